@@ -30,7 +30,7 @@ def pages() -> dict[str, str]:
         "middlewares": "Middlewares",
         "services": "Services of the simulation",
         "world": "The world of a component",
-        "coverage": "Coverage of MORSE 1.4",
+        "coverage": "Coverage of MORSE 1.4, which is made when the documentation is built",
     }
     parts.append(section("And", *(f"- [{title}]({name}.md)" for name, title in others.items())))
     parts.append(_tree([*kinds, *others]))

@@ -43,11 +43,15 @@ def pages(library, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 
 def test_the_pages_in_the_repository_are_those_of_the_declarations(pages: dict[str, str]):
-    """They can be read in a copy of the repository in which nothing was built."""
+    """They can be read in a copy of the repository in which nothing was built.
+
+    The page `coverage` is there only in the documentation that was built: it changes with each test.
+    """
     folder = DOCS / "library"
+    pages = {name: text for name, text in pages.items() if name != "coverage"}
     there = {path.relative_to(folder).with_suffix("").as_posix(): path for path in folder.rglob("*.md")}
     old = sorted(name for name, text in pages.items() if name not in there or there[name].read_text("utf-8") != text)
-    assert (old, set(there) - set(pages)) == ([], set()), "run: python -m tools library"
+    assert (old, set(there) - set(pages) - {"coverage"}) == ([], set()), "run: python -m tools library"
 
 
 def test_every_component_has_a_page(pages: dict[str, str], library):

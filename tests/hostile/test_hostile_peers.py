@@ -29,10 +29,10 @@ from morse.middleware.mavlink import framing, links
 from morse.middleware.mavlink.framing import Framer
 from morse.middleware.mavlink.intake import Intake
 from morse.middleware.mavlink.links import UdpLink, open_link
-from morse.middleware.moos.packets import check_packet
 from morse.middleware.multinode.server import MultinodeServer
-from morse.middleware.yarp.names import Address, NameServer, is_alive
-from morse.middleware.yarp.port import Port
+from morse.plugins.moos.packets import check_packet
+from morse.plugins.yarp.names import Address, NameServer, is_alive
+from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def network() -> Iterator[Network]:
 @pytest.mark.parametrize("word", ["'1' * 131_000 + 'x'", "'1.' + '1' * 131_000 + 'x'", "'1e' + '1' * 131_000 + 'x'"])
 def test_a_long_word_that_is_not_quite_a_number_is_read_in_linear_time(word: str) -> None:
     """It took minutes, in which no other thread ran."""
-    code = f"from morse.middleware.yarp.bottle_text import from_text; assert from_text({word}) == [{word}]"
+    code = f"from morse.plugins.yarp.bottle_text import from_text; assert from_text({word}) == [{word}]"
     subprocess.run([sys.executable, "-c", code], timeout=MINUTE, check=True)
 
 

@@ -23,9 +23,9 @@ from morse.core.clients.network import Network
 from morse.core.clients.time_share import TimeShare, TimeShares
 from morse.core.clients.web_connection import PacedConnection
 from morse.core.validation import ClientCommands
-from morse.middleware.yarp.bottle import decode
-from morse.middleware.yarp.bottle import encode as bottle
-from morse.middleware.yarp.port import Port
+from morse.plugins.yarp.bottle import decode
+from morse.plugins.yarp.bottle import encode as bottle
+from morse.plugins.yarp.port import Port
 from morse.rosmsgs.cdr import CdrError, encode
 from morse.rosmsgs.topics.stream import check_size, largest
 from morse.wire.connection import Connection

@@ -42,7 +42,7 @@ def context() -> Any:
 
 
 def yarp(served: list[Any]) -> Any:
-    from morse.middleware.yarp.request_manager import YarpRequestManager
+    from morse.plugins.yarp.request_manager import YarpRequestManager
 
     manager = YarpRequestManager(context())
     for number in range(50):

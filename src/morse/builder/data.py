@@ -13,7 +13,7 @@ from morse.core.reports.hints import closest
 from morse.middleware import registry
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
 __all__ = [
     "MORSE_COMPONENTS",
@@ -27,24 +27,27 @@ __all__ = [
 #: the directories searched for models besides `MORSE_COMPONENTS`
 MORSE_RESOURCE_PATH = [str(directory) for directory in resource_dirs()]
 
-#: name of a middleware to the class path of its stream manager
-MORSE_DATASTREAM_MODULE = MappingProxyType(
-    {name: m.stream_manager for name, m in registry.installed().items() if m.stream_manager is not None}
-)
-
-#: name of a middleware to the class path of its request manager
-MORSE_SERVICE_DICT = MappingProxyType(
-    {name: m.request_manager for name, m in registry.installed().items() if m.request_manager is not None}
-)
-
-#: name of a middleware to the classes that carry data, by direction; empty, because middlewares map message kinds
-MORSE_DATASTREAM_DICT = MappingProxyType(
-    {name: {"OUT": m.default_publisher, "IN": m.default_reader} for name, m in registry.installed().items()}
-)
+if TYPE_CHECKING:
+    #: name of a middleware to the class path of its stream manager
+    MORSE_DATASTREAM_MODULE: Mapping[str, str]
+    #: name of a middleware to the class path of its request manager
+    MORSE_SERVICE_DICT: Mapping[str, str]
+    #: name of a middleware to the classes that carry data, by direction
+    MORSE_DATASTREAM_DICT: Mapping[str, dict[str, str | None]]
 
 
 def __getattr__(name: str) -> object:
-    """``MORSE_MODIFIER_DICT``: modifiers by name and component; the files of modifiers are read for this only."""
+    """The tables of middlewares, and ``MORSE_MODIFIER_DICT``, modifiers by name and component.
+
+    The files of all of them are read for this only.
+    """
+    if name == "MORSE_DATASTREAM_MODULE":
+        return MappingProxyType({one.name: one.stream_manager for one in _middlewares() if one.stream_manager})
+    if name == "MORSE_SERVICE_DICT":
+        return MappingProxyType({one.name: one.request_manager for one in _middlewares() if one.request_manager})
+    if name == "MORSE_DATASTREAM_DICT":
+        ways = {one.name: {"OUT": one.default_publisher, "IN": one.default_reader} for one in _middlewares()}
+        return MappingProxyType(ways)
     if name == "MORSE_MODIFIER_DICT":
         return MappingProxyType(modifier_classes())
     near = closest(name, __all__)
@@ -76,6 +79,10 @@ class Configuration:
     def overlays() -> dict[str, list[tuple[str, str, dict[str, object]]]]:
         """Overlays: request manager, class path, options."""
         return {c.name: [(o.manager, o.classpath, o.options) for o in c._overlays] for c in _all() if c._overlays}
+
+
+def _middlewares() -> Iterable[registry.Middleware]:
+    return registry.installed().values()
 
 
 def _all() -> Iterator[Interfaces]:

@@ -25,6 +25,7 @@ _MODULES = {
     "rm": "morse.cli.rm",
     "add": "morse.cli.add",
     "check": "morse.cli.check",
+    "doctor": "morse.cli.doctor",
     "run": "morse.cli.run",
     "demo": "morse.cli.demo",
     "verify": "morse.cli.verify",
@@ -143,12 +144,20 @@ def global_options(
         bool, typer.Option("--reverse-color", help="Colours for a terminal with a light background.")
     ] = False,
     version: Annotated[bool, typer.Option("-v", "--version", help="Print the version.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help="With --version: also the plug-ins.")] = False,
 ) -> None:
     """MORSE, the Modular OpenRobots Simulation Engine."""
     context.obj = GlobalOptions(color, reverse_color)
+    if version and verbose:
+        from morse.cli.doctor import version_lines
+
+        typer.echo("\n".join(version_lines()))
+        raise typer.Exit
     if version:
         typer.echo(f"morse {__version__}")
         raise typer.Exit
+    if verbose:
+        raise CommandError("--verbose before a command belongs to `morse --version`.", status=2)
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
 

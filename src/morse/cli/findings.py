@@ -7,6 +7,7 @@ import importlib.metadata
 import importlib.util
 import os
 import platform
+import re
 import sys
 import webbrowser
 from dataclasses import dataclass
@@ -16,8 +17,10 @@ from typing import TYPE_CHECKING
 from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import blender
 from morse.kernel import loading
+from morse.middleware import registry
 from morse.middleware.ros import mapping as ros
 from morse.middleware.ros2.backends.choice import available
+from morse.system import extras
 from morse.system.extras import REINSTALL, install
 
 if TYPE_CHECKING:
@@ -67,9 +70,7 @@ def findings() -> Iterator[Finding]:
     yield _kernel()
     yield _ros2()
     yield _ros1()
-    yield _mqtt()
-    yield _moos()
-    yield _mavlink()
+    yield from _middlewares()
     yield _browser()
     yield _blender()
 
@@ -140,16 +141,12 @@ def _ros1() -> Finding:
     return Finding("ROS 1", importlib.util.find_spec("rospy") is not None, "rospy", gives, ros.INSTALL)
 
 
-def _mqtt() -> Finding:
-    return _module("paho.mqtt", "paho-mqtt", "topics of an MQTT broker", install("mqtt"))
-
-
-def _moos() -> Finding:
-    return _module("pymoos2", "pymoos2", "variables of a MOOS database", install("moos"))
-
-
-def _mavlink() -> Finding:
-    return _module("pymavlink", "pymavlink", "vehicles of MAVLink", install("mavlink"))
+def _middlewares() -> Iterator[Finding]:
+    """What middlewares need that are not of ROS."""
+    for entry in registry.installed().values():
+        if entry.modules and entry.extra:
+            distribution = re.split(r"[<>=~! ]", (extras.packages(entry.extra) or [entry.modules[0]])[0])[0]
+            yield _module(entry.modules[0], distribution, entry.purpose, entry.how_to_install())
 
 
 def _data() -> Finding:

@@ -1,7 +1,7 @@
 """The installed middlewares, and the classes that connect components to them.
 
-Each middleware describes itself by a `Middleware`: those of MORSE in ``morse/middleware/<name>/mapping.py`` as
-``MIDDLEWARE``, those of other packages by an entry point::
+Each middleware describes itself by a `Middleware`: those of the core in ``morse/middleware/<name>/mapping.py``
+as ``MIDDLEWARE``, those of plug-ins and of other packages by an entry point::
 
     [project.entry-points."morse.middlewares"]
     zenoh = "my_lab.zenoh.mapping:MIDDLEWARE"
@@ -25,7 +25,7 @@ from morse.core.classes.plugins import entry_points
 from morse.core.declarations import says_nothing
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.hints import closest
-from morse.system import OF_MACHINE
+from morse.system import OF_MACHINE, extras
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -66,7 +66,12 @@ class Middleware:
         modules: Python modules of others without which it cannot connect.
         mend: how to install them, and what can be used without them; a sentence without a full stop.
         imports: Python modules that scripts import together with them.
+        extra: the extra of MORSE that installs these modules.
+        install: the command that installs them, for middlewares of other packages.
+        purpose: what it gives, in a few words, for lists of what is installed.
         takes_old_names: whether its streams can be given by class paths of MORSE 1.4 that are not classes any more.
+        old_modules: paths below ``morse.middleware`` under which scripts import modules that are elsewhere today, and
+            their present paths; also those of the modules below them.
     """
 
     name: str
@@ -81,15 +86,28 @@ class Middleware:
     modules: tuple[str, ...] = ()
     mend: str = ""
     imports: tuple[str, ...] = ()
+    extra: str = ""
+    install: str = ""
+    purpose: str = ""
     takes_old_names: bool = False
+    old_modules: Mapping[str, str] = field(default_factory=dict)
+
+    def lacks(self) -> list[str]:
+        """Those of its modules that are not installed; nothing is imported."""
+        return [module for module in self.modules if find_spec(module) is None]
+
+    def how_to_install(self) -> str:
+        """The command that installs what it needs; empty if it needs nothing."""
+        return self.install or (extras.install(self.extra) if self.extra else "")
 
     @property
     def missing(self) -> str:
         """A message if it cannot connect because modules are not installed; else empty. Nothing is imported."""
-        names = [f"'{module}'" for module in self.modules if find_spec(module) is None]
+        names = [f"'{module}'" for module in self.lacks()]
         several = len(names) > 1
         what = f"{self.name}: the Python module{'s' if several else ''} {' and '.join(names)}"
-        mend = f". {self.mend}" if self.mend else ""
+        mend = self.mend or (f"To install it: {self.how_to_install()}" if self.how_to_install() else "")
+        mend = f". {mend}" if mend else ""
         return f"{what} {'are' if several else 'is'} not installed{mend}" if names else ""
 
     def has_stream(self, classpath: str) -> bool:
@@ -176,6 +194,15 @@ def missing_modules(managers: Iterable[str]) -> dict[str, str]:
         if manager is not None and entry.modules
     }
     return {manager: messages[manager] for manager in managers if messages.get(manager)}
+
+
+def present_module(old: str) -> str | None:
+    """The path of a module that scripts import by an old path below ``morse.middleware``; None if there is none."""
+    for entry in installed().values():
+        for path, present in entry.old_modules.items():
+            if old == path or old.startswith(f"{path}."):
+                return present + old.removeprefix(path)
+    return None
 
 
 def middleware(name: str) -> Middleware:

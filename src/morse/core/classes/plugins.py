@@ -74,7 +74,7 @@ def _of_file(file: Path, _changed: int) -> tuple[EntryPoint, ...]:
 @lru_cache(maxsize=32)
 def _found(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
     # avoids importing importlib.metadata (30 ms) if no package has such entry points
-    if not any(_mentions_us(Path(entry)) for entry in dict.fromkeys(path)):
+    if not any(_mentions(group, Path(entry)) for entry in dict.fromkeys(path)):
         return ()
     from importlib import metadata
 
@@ -82,19 +82,19 @@ def _found(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
 
 
 @lru_cache(maxsize=256)
-def _mentions_us(directory: Path) -> bool:
-    """Whether a package in a directory of the import path has entry points for MORSE."""
+def _mentions(group: str, directory: Path) -> bool:
+    """Whether a package in a directory of the import path has entry points of a group."""
     if directory.is_file():
         return True  # an archive, which importlib.metadata can read
     try:
         names = [name for name in os.listdir(directory) if name.endswith(_SUFFIXES)]
     except OSError:
         return False
-    return any(_declares(directory / name / "entry_points.txt") for name in names)
+    return any(_declares(group, directory / name / "entry_points.txt") for name in names)
 
 
-def _declares(file: Path) -> bool:
+def _declares(group: str, file: Path) -> bool:
     try:
-        return b"[morse." in read_regular(file)
+        return f"[{group}]".encode() in read_regular(file)
     except OSError:
         return False

@@ -32,4 +32,6 @@ MIDDLEWARE = Middleware(
     # these classes carry cameras or nothing, and have no data
     not_carried=("StereoUnit", "MocapControl"),
     modules=("paho",),
+    extra="mqtt",
+    purpose="topics of an MQTT broker",
 )

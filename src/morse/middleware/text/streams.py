@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.streams.kind_stream import KindStream
 from morse.middleware.text.mapping import STREAM_OPTIONS
-from morse.middleware.text.values import written
+from morse.wire.encoding import written
 
 if TYPE_CHECKING:
     from morse.middleware.text.file import TextFile

@@ -5,18 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.mapping import maps
-from morse.middleware.yarp.datastream import YarpDatastreamManager, bottle
+from morse.plugins.yarp.datastream import YarpDatastreamManager, bottle
+from morse.plugins.yarp.mapping import JSON_STREAM_MANAGER
+from morse.plugins.yarp.streams import YarpPublisher, YarpReader
 from morse.wire.encoding import from_json, to_json
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
-    from morse.middleware.yarp.streams import YarpStream
+    from morse.plugins.yarp.streams import YarpStream
 
 
 class YarpJsonDatastreamManager(YarpDatastreamManager):
     """The ports of YARP, with bottles of one JSON text."""
 
-    classpath = "morse.middleware.yarp_json.datastream.YarpJsonDatastreamManager"
+    classpath = JSON_STREAM_MANAGER
 
     @maps("general", "image")
     def general(self, stream: YarpStream, message: Message) -> bytes | None:
@@ -33,3 +35,11 @@ class YarpJsonDatastreamManager(YarpDatastreamManager):
         if len(data) != 1 or not isinstance(data[0], str):
             raise ValueError("expected one JSON text")
         return from_json(data[0].encode("utf-8", "replace"))
+
+
+class YarpJsonPublisher(YarpPublisher):
+    """Sends the data of a component as a JSON text."""
+
+
+class YarpJsonReader(YarpReader):
+    """Writes the fields of JSON objects into the data of an actuator."""

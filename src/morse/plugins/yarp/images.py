@@ -10,7 +10,7 @@ import struct
 
 import numpy as np
 
-from morse.middleware.yarp.bottle import BLOB, INT32, LIST, VOCAB
+from morse.plugins.yarp.bottle import BLOB, INT32, LIST, VOCAB
 
 #: word of each encoding: yarp::sig::ImageOf<PixelRgba>, <PixelFloat>, <PixelRgbFloat>, <PixelMono16>, …
 _TYPES = {

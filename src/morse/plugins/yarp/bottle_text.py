@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from morse.middleware.yarp.bottle import BottleError, Vocab
+from morse.plugins.yarp.bottle import BottleError, Vocab
 
 #: a value: brackets, a text in quotes, or a word up to the next blank
 _TOKEN = re.compile(r'[\s,]*([()]|\[[^\]\s]{0,8}\]|\{[^}]*\}|"(?:[^"\\]|\\.)*"|[^\s,()"\[\]{}]+)', re.DOTALL)

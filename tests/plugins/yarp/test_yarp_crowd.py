@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from event_loops import run_apart
 from morse.core.clients.arrivals import Arrivals
-from morse.middleware.yarp.port import Port
+from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from yarp_names import Names
 from yarp_wire import Line, Reader, exactly, number
 
 from morse.core.exceptions import MorseError
-from morse.middleware.yarp.bottle import decode, encode
+from morse.plugins.yarp.bottle import decode, encode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -212,9 +212,9 @@ def test_the_ports_are_on_this_machine_only(load: Callable[..., Any], names: Nam
 def test_ports_are_registered_when_a_name_server_comes_and_removed_at_the_end(
     load: Callable[..., Any], names: Names, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("morse.middleware.yarp.ports._RETRY", 0.02)
-    monkeypatch.setattr("morse.middleware.yarp.ports._CHECK", 0.02)
-    monkeypatch.setattr("morse.middleware.yarp.ports._FAREWELL", 60.0)
+    monkeypatch.setattr("morse.plugins.yarp.ports._RETRY", 0.02)
+    monkeypatch.setattr("morse.plugins.yarp.ports._CHECK", 0.02)
+    monkeypatch.setattr("morse.plugins.yarp.ports._FAREWELL", 60.0)
     port = names.port
     names.close()
     sim = load(port, BOTH)
@@ -236,7 +236,7 @@ def test_the_port_of_another_program_is_not_taken_away(
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    monkeypatch.setattr("morse.middleware.yarp.ports._CHECK", 0.02)
+    monkeypatch.setattr("morse.plugins.yarp.ports._CHECK", 0.02)
     names.known[POSE] = reader.address
     sim = load(names.port, BOTH)
     until(sim, lambda: f"{POSE} is the port of another program" in caplog.text and MOTION in names.known)
@@ -256,7 +256,7 @@ def test_the_ports_of_a_deleted_robot_are_closed(load: Callable[..., Any], names
 def test_a_name_server_that_does_not_answer_holds_nobody_up(
     load: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("morse.middleware.yarp.ports._FAREWELL", 0.05)
+    monkeypatch.setattr("morse.plugins.yarp.ports._FAREWELL", 0.05)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         sim = load(silent.getsockname()[1], BOTH)
         client, _ = silent.accept()

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.datastream import DatastreamManager
 from morse.core.mapping import maps
-from morse.middleware.moos.database import Database
-from morse.middleware.moos.mapping import MANAGER_OPTIONS
+from morse.plugins.moos.database import Database
+from morse.plugins.moos.mapping import MANAGER_OPTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import Message
     from morse.core.values import Options
-    from morse.middleware.moos.streams import MoosPublisher, MoosStream
+    from morse.plugins.moos.streams import MoosPublisher, MoosStream
 
 logger = logging.getLogger(__name__)
 

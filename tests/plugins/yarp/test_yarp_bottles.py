@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from morse.mathutils import Quaternion, Vector
-from morse.middleware.yarp import wire
-from morse.middleware.yarp.bottle import BottleError, Vocab, decode, encode
-from morse.middleware.yarp.bottle_text import from_text, to_text
-from morse.middleware.yarp.images import encode_image
+from morse.plugins.yarp import wire
+from morse.plugins.yarp.bottle import BottleError, Vocab, decode, encode
+from morse.plugins.yarp.bottle_text import from_text, to_text
+from morse.plugins.yarp.images import encode_image
 
 #: of yarp/os/Bottle.h
 INT32, INT64, FLOAT64, STRING, VOCAB, LIST = 1, 17, 10, 4, 9, 256

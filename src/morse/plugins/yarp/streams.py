@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.streams.kind_stream import KindStream
-from morse.middleware.yarp.mapping import STREAM_OPTIONS
-from morse.middleware.yarp.waiting import WaitingBottles
+from morse.plugins.yarp.mapping import STREAM_OPTIONS
+from morse.plugins.yarp.waiting import WaitingBottles
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sized
 
-    from morse.middleware.yarp.datastream import YarpDatastreamManager
+    from morse.plugins.yarp.datastream import YarpDatastreamManager
 
 #: number of bottles that wait for the next action of an actuator
 _MOST_WAITING = 64

@@ -7,12 +7,12 @@ import contextlib
 from collections import deque
 from typing import TYPE_CHECKING
 
-from morse.middleware.yarp import wire
+from morse.plugins.yarp import wire
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.middleware.yarp.names import Address
+    from morse.plugins.yarp.names import Address
 
 #: limits of the messages that wait for a reader: their number, and the bytes of all but the newest
 _MOST, _MOST_BYTES = 64, 8 << 20

@@ -30,4 +30,10 @@ MIDDLEWARE = Middleware(
     # images and clouds would be megabytes of text in each tick
     not_carried=("Camera", "CameraUnit", "StereoUnit", "MocapControl"),
     modules=("pymoos2",),
+    extra="moos",
+    purpose="variables of a MOOS database",
+    old_modules={
+        "morse.middleware.moos_datastream": "morse.plugins.moos.datastream",
+        "morse.middleware.moos": "morse.plugins.moos",
+    },
 )

@@ -19,7 +19,7 @@ class Database:
     """Sends and receives in its own thread; no call waits for the database.
 
     Args:
-        options: see `morse.middleware.moos.mapping.MANAGER_OPTIONS`.
+        options: see `morse.plugins.moos.mapping.MANAGER_OPTIONS`.
 
     Raises:
         MorseMiddlewareError: pymoos2 is not installed.
@@ -30,7 +30,7 @@ class Database:
             import pymoos2.core.MOOSMsg  # noqa: F401 - the import of `Exchange` must not fail
         except ImportError:
             raise MorseMiddlewareError(f"moos: pymoos2 is not installed; to install it: {install('moos')}") from None
-        from morse.middleware.moos.exchange import Exchange
+        from morse.plugins.moos.exchange import Exchange
 
         self._host, self._port = options["moos_host"], options["moos_port"]
         self._complaints = Complaints(logger)

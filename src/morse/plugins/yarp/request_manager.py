@@ -9,17 +9,17 @@ from morse.core.calls.answered_requests import AnsweredRequests
 from morse.core.clients.time_share import TimeShare
 from morse.core.reports.quoting import shown
 from morse.core.status import FAILED
-from morse.middleware.text.values import written
-from morse.middleware.yarp.bottle import encode
-from morse.middleware.yarp.ports import Ports, ports_of
-from morse.middleware.yarp.waiting import WaitingBottles
+from morse.plugins.yarp.bottle import encode
+from morse.plugins.yarp.ports import Ports, ports_of
+from morse.plugins.yarp.waiting import WaitingBottles
+from morse.wire.encoding import written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Set
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.middleware.yarp.port import Port
+    from morse.plugins.yarp.port import Port
 
 #: limits: requests in one tick, requests that wait, letters of the arguments
 _EACH_TICK, _MOST_WAITING, _LONGEST = 64, 1024, 1 << 16

@@ -14,7 +14,7 @@ from pymoos2.core.MOOSCommPkt import pack, unpack
 from pymoos2.core.MOOSMsg import MOOSMsg
 
 from morse.core.clients.budget import CLIENT_BYTES
-from morse.middleware.moos.packets import HEADER, check_packet
+from morse.plugins.moos.packets import HEADER, check_packet
 
 if TYPE_CHECKING:
     from collections.abc import Callable

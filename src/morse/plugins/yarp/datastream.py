@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.datastream import DatastreamManager
 from morse.core.mapping import maps
-from morse.middleware.yarp.bottle import as_dict, encode
-from morse.middleware.yarp.images import ENCODINGS, encode_image
-from morse.middleware.yarp.mapping import MANAGER_OPTIONS
-from morse.middleware.yarp.ports import ports_of
+from morse.plugins.yarp.bottle import as_dict, encode
+from morse.plugins.yarp.images import ENCODINGS, encode_image
+from morse.plugins.yarp.mapping import MANAGER_OPTIONS
+from morse.plugins.yarp.ports import ports_of
 
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import Fields, Options
-    from morse.middleware.yarp.port import Port
-    from morse.middleware.yarp.streams import YarpReader, YarpStream
+    from morse.plugins.yarp.port import Port
+    from morse.plugins.yarp.streams import YarpReader, YarpStream
 
 logger = logging.getLogger(__name__)
 

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
 from morse.core.streams.kind_stream import KindStream
-from morse.middleware.moos.mapping import STREAM_OPTIONS
-from morse.middleware.moos.variables import commands_of, constants_of, form_of
+from morse.plugins.moos.mapping import STREAM_OPTIONS
+from morse.plugins.moos.variables import commands_of, constants_of, form_of
 from morse.wire.encoding import from_json
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
     from morse.core.values import Fields
-    from morse.middleware.moos.database import Database
-    from morse.middleware.moos.datastream import MOOSDatastreamManager
+    from morse.plugins.moos.database import Database
+    from morse.plugins.moos.datastream import MOOSDatastreamManager
 
 #: words for a boolean field
 _WORDS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0": False}

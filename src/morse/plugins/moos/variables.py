@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.middleware.text.values import written
+from morse.wire.encoding import written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
@@ -16,7 +18,7 @@ STREAM_OPTIONS = {
     "port": Option(str, None, "name of the port, replaces /prefix/robot/component/out or in"),
 }
 STREAM_MANAGER = "morse.middleware.yarp_datastream.YarpDatastreamManager"
-JSON_STREAM_MANAGER = "morse.middleware.yarp_json.datastream.YarpJsonDatastreamManager"
+JSON_STREAM_MANAGER = "morse.plugins.yarp.json_text.YarpJsonDatastreamManager"
 REQUEST_MANAGER = "morse.middleware.yarp_request_manager.YarpRequestManager"
 # these classes carry cameras or nothing, or clouds, for which 1.4 had no port
 NOT_CARRIED = ("DepthCamera", "DepthCameraAggregator", "StereoUnit", "MocapControl")
@@ -30,4 +32,21 @@ MIDDLEWARE = Middleware(
     default_publisher="morse.middleware.yarp.streams.YarpPublisher",
     default_reader="morse.middleware.yarp.streams.YarpReader",
     not_carried=NOT_CARRIED,
+    old_modules={
+        "morse.middleware.yarp_datastream": "morse.plugins.yarp.datastream",
+        "morse.middleware.yarp_request_manager": "morse.plugins.yarp.request_manager",
+        "morse.middleware.yarp": "morse.plugins.yarp",
+    },
+    purpose="ports of YARP, with a name server",
+)
+JSON_MIDDLEWARE = replace(
+    MIDDLEWARE,
+    name="yarp_json",
+    stream_manager=JSON_STREAM_MANAGER,
+    default_publisher="morse.plugins.yarp.json_text.YarpJsonPublisher",
+    default_reader="morse.plugins.yarp.json_text.YarpJsonReader",
+    # megabytes of text in each tick
+    not_carried=(*NOT_CARRIED, "Camera", "CameraUnit"),
+    old_modules={},
+    purpose="ports of YARP with JSON texts",
 )

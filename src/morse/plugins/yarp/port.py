@@ -12,17 +12,17 @@ from morse.core.clients.acceptors import DESCRIPTORS
 from morse.core.clients.acceptors.streams import AcceptedProtocol, StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.reports.quoting import shown
-from morse.middleware.yarp import wire
-from morse.middleware.yarp.bottle import BottleError, Vocab, decode, encode
-from morse.middleware.yarp.bottle_text import from_text, to_text
-from morse.middleware.yarp.output import Output
+from morse.plugins.yarp import wire
+from morse.plugins.yarp.bottle import BottleError, Vocab, decode, encode
+from morse.plugins.yarp.bottle_text import from_text, to_text
+from morse.plugins.yarp.output import Output
 
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
 
     from morse.core.clients.arrivals import Arrivals, Sender
-    from morse.middleware.yarp.names import NameServer
+    from morse.plugins.yarp.names import NameServer
 
 logger = logging.getLogger(__name__)
 

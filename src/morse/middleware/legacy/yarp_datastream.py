@@ -1,5 +1,0 @@
-"""The class path of the YARP streams in scene scripts."""
-
-from morse.middleware.yarp.datastream import YarpDatastreamManager
-
-__all__ = ["YarpDatastreamManager"]

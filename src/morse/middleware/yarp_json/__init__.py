@@ -1,1 +1,0 @@
-"""The ports of YARP with the data as JSON text."""

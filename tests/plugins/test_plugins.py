@@ -1,0 +1,186 @@
+"""Plug-ins: the core knows none of them, they know its public modules alone, and everything else works without them."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from morse.middleware import registry
+from morse.version import __version__
+
+ROOT = Path(__file__).parents[2]
+SOURCES = ROOT / "src"
+ROOM = SOURCES / "morse" / "plugins"
+PLUGINS = sorted(path.name for path in ROOM.iterdir() if (path / "__init__.py").is_file())
+POINTS = {
+    name: value
+    for points in tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["entry-points"].values()
+    for name, value in points.items()
+}
+
+
+def imported(file: Path) -> set[str]:
+    """The modules that a file imports."""
+    names = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, "absolute imports"
+            names.add(str(node.module))
+    return names
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_a_plugin_imports_public_modules_alone(plugin: str):
+    """Those of the table in docs/architecture.md."""
+    page = (
+        (ROOT / "docs/architecture.md").read_text(encoding="utf-8").partition("Public modules")[2].partition("\n## ")[0]
+    )
+    public = {
+        name
+        for row in re.findall(r"^\| (`morse[^|]*)\|", page, re.MULTILINE)
+        for name in re.findall(r"`([\w.]+)`", row)
+    }
+    assert len(public) > 10
+    for name in public:
+        importlib.import_module(name)
+    for file in (ROOM / plugin).rglob("*.py"):
+        used = {name for name in imported(file) if name.partition(".")[0] in ("morse", "pymorse")}
+        private = {name for name in used if not name.startswith(f"morse.plugins.{plugin}") and name not in public}
+        assert private == set(), file.relative_to(ROOT)
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_the_core_does_not_know_the_names_of_plugins(plugin: str):
+    # the base classes of tests of users' scenes have the names of 1.4
+    files = [
+        path for path in (SOURCES / "morse").rglob("*.py") if ROOM not in path.parents and path.parent.name != "testing"
+    ]
+    # a script of 1.4 may name its modules: examples in comments
+    found = [
+        f"{path.relative_to(ROOT)}: {line.strip()}"
+        for path in files
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if re.search(rf"\b{plugin}", line) and not line.lstrip().startswith("#") and "data/" not in path.as_posix()
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_a_plugin_has_its_text_its_tests_and_its_entry_points(plugin: str):
+    text = (ROOM / plugin / "README.md").read_text(encoding="utf-8")
+    assert 5 <= text.count("\n") <= 14
+    assert list((ROOT / "tests" / "plugins" / plugin).glob("test_*.py"))
+    assert any(value.startswith(f"morse.plugins.{plugin}.") for value in POINTS.values())
+
+
+@pytest.mark.parametrize(
+    ("old", "present"),
+    [(old, new) for entry in registry.installed().values() for old, new in entry.old_modules.items()],
+)
+def test_old_paths_lead_to_the_same_modules(old: str, present: str):
+    module = importlib.import_module(old)
+    assert module is importlib.import_module(present)
+    assert module.__name__ == module.__spec__.name == present
+
+
+def test_modules_below_an_old_path_are_loaded_once():
+    old = importlib.import_module("morse.middleware.yarp.bottle")
+    assert old is importlib.import_module("morse.plugins.yarp.bottle")
+    with pytest.raises(ModuleNotFoundError, match=r"morse\.middleware\.yarp\.nothing"):
+        importlib.import_module("morse.middleware.yarp.nothing")
+    with pytest.raises(ModuleNotFoundError, match=r"morse\.middleware\.nothing"):
+        importlib.import_module("morse.middleware.nothing")
+
+
+def run(*words: str, folder: Path, path: Path) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(path)}
+    return subprocess.run(
+        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=250, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sources without the plug-ins, and without their entry points."""
+    place = tmp_path_factory.mktemp("bare")
+    shutil.copytree(SOURCES, place / "src", ignore=shutil.ignore_patterns("plugins", "__pycache__", "data"))
+    (place / "src" / "morse" / "data").symlink_to(SOURCES / "morse" / "data")
+    return place
+
+
+def test_without_plugins_their_names_are_unknown_and_everything_else_is_there(bare: Path):
+    program = (
+        "import morse; from morse.middleware import registry; print(morse.__file__); print(*registry.installed());"
+        "registry.middleware('yarp')"
+    )
+    done = run("-c", program, folder=bare, path=bare / "src")
+    file, names = done.stdout.splitlines()
+    assert file == str(bare / "src" / "morse" / "__init__.py")
+    assert set(names.split()) == set(registry.installed()) - set(POINTS)
+    # an installation still has their entry points; a copy of the sources whose pyproject.toml lacks them has nothing
+    assert re.search(r"there is no middleware 'yarp'|'yarp' .* cannot be loaded", done.stderr.splitlines()[-1])
+
+
+@pytest.mark.long
+def test_without_plugins_the_rest_passes(bare: Path):
+    """A test of each kind of thing that the registry serves: scripts, streams, services, recordings."""
+    chosen = [
+        "tests/middleware/test_socket_streams.py",
+        "tests/middleware/test_text_files.py",
+        "tests/builder/test_script_errors.py",
+        "tests/services",
+        "tests/recording/test_recorded_fields.py",
+    ]
+    words = ["-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", "-m", "not slow and not browser and not soak"]
+    done = run(*words, *(str(ROOT / name) for name in chosen), folder=ROOT, path=bare / "src")
+    assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
+    assert " passed" in done.stdout
+
+
+def test_doctor_lists_plugins_and_what_each_needs(simulated_packages: Path):
+    done = run("-m", "morse", "doctor", folder=simulated_packages.parent, path=simulated_packages)
+    assert "moos (middleware, morse.plugins.moos.mapping:MIDDLEWARE): variables of a MOOS database" in done.stdout
+    assert "needs pymoos2; " in done.stdout
+    needy = done.stdout.partition("zenoh (middleware, lab.zenoh:MIDDLEWARE): routers of Zenoh\n")[2].splitlines()
+    assert needy[:2] == [
+        "    needs no_such_zenoh; no_such_zenoh is not installed",
+        "    to install it: pip install no-such-zenoh",
+    ]
+    assert (
+        "broken (model format, lab.nothing:read)\n    needs nothing else; cannot be loaded: ModuleNotFoundError"
+        in done.stdout
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stdout + done.stderr
+    told = run("-m", "morse", "--version", "--verbose", folder=simulated_packages.parent, path=simulated_packages)
+    assert (told.returncode, told.stdout) == (0, done.stdout)
+    assert told.stdout.startswith(f"morse {__version__}\n")
+
+
+@pytest.fixture
+def simulated_packages(tmp_path: Path) -> Path:
+    """A project with a middleware that lacks a package, and a reader that cannot be loaded."""
+    package = tmp_path / "src" / "lab"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "zenoh.py").write_text(
+        "from morse.middleware.registry import Middleware\n"
+        "MIDDLEWARE = Middleware('zenoh', modules=('no_such_zenoh',), install='pip install no-such-zenoh',\n"
+        "                        purpose='routers of Zenoh')\n"
+    )
+    (tmp_path / "pyproject.toml").write_text(
+        '[project.entry-points."morse.middlewares"]\nzenoh = "lab.zenoh:MIDDLEWARE"\n'
+        '[project.entry-points."morse.formats"]\nbroken = "lab.nothing:read"\n'
+    )
+    return tmp_path / "src"
