@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+import yaml
 
 from morse.simulation.ending import FAULTS
 from morse.testing.process import SimulationProcess
@@ -151,14 +152,31 @@ def _line_of(mark: str) -> int:
 
 #: lines of the scene, the robot; the part, what follows, the error and the comment of the line that raised it
 KINDS = {
-    "first tick": ("a = AtOnce(); robot.append(a)", "robot.a is deactivated: ValueError: no echo", "at once"),
-    "in the middle": ("a = Later(); robot.append(a)", "robot.a is deactivated: RuntimeError: tired", "later"),
-    "end": ("a = AtTheEnd(); robot.append(a)", "robot.a ended: OSError: no paper", "at the end"),
-    "thread": ("a = Threaded(); robot.append(a)", "the thread ears of robot.a has ended: KeyError: 'ear'", "thread"),
-    "actuator": ("a = Jammed(); robot.append(a)", "robot.a is deactivated: ZeroDivisionError: jammed", "actuator"),
+    "first tick": (
+        "a = AtOnce(); robot.append(a)",
+        "robot.a failed and is deactivated: ValueError: no echo",
+        "at once",
+    ),
+    "in the middle": (
+        "a = Later(); robot.append(a)",
+        "robot.a failed and is deactivated: RuntimeError: tired",
+        "later",
+    ),
+    "end": ("a = AtTheEnd(); robot.append(a)", "robot.a failed and ended: OSError: no paper", "at the end"),
+    "thread": (
+        "a = Threaded(); robot.append(a)",
+        "the thread ears of robot.a failed and has ended: KeyError: 'ear'",
+        "thread",
+    ),
+    "actuator": (
+        "a = Jammed(); robot.append(a)",
+        "robot.a failed and is deactivated: ZeroDivisionError: jammed",
+        "actuator",
+    ),
     "modifier": (
         "a = Pose(); a.alter('', classpath='parts.Spoils'); robot.append(a)",
-        "the modifier Spoils of robot.a robot.a is deactivated, because its data are not modified: TypeError: spoiled",
+        "the modifier Spoils of robot.a failed and robot.a is deactivated, because its data are not modified: "
+        "TypeError: spoiled",
         "modifier",
     ),
 }
@@ -196,8 +214,10 @@ def test_streams_and_robots(scene: Callable[..., Path]) -> None:
     path = scene(torn, robot="Sleepy")
     outcome = _morse("--duration", "0.1", path)
     assert outcome.status == FAULTS
-    assert any("robot is deactivated: LookupError: where" in line for line in outcome.named())
-    (line,) = [one for one in outcome.named() if "the stream Torn of robot.a is closed: BufferError: torn" in one]
+    assert any("robot failed and is deactivated: LookupError: where" in line for line in outcome.named())
+    (line,) = [
+        one for one in outcome.named() if "the stream Torn of robot.a failed and is closed: BufferError: torn" in one
+    ]
     assert line.endswith(f"parts.py:{_line_of('stream')})")
     assert len((path.parent / "all.txt").read_text().splitlines()) > 3, "the other stream goes on"
 
@@ -227,7 +247,7 @@ def test_a_fault_counts_after_a_restart_and_while_paused(scene: Callable[..., Pa
     process.watch.join(60)
     assert process._process.wait(60) == FAULTS
     (line,) = Outcome(0, process.log.read_text()).named()
-    assert "robot.a is deactivated" in line
+    assert "robot.a failed and is deactivated" in line
 
 
 @pytest.mark.parametrize("command", ["verify", "render"])
@@ -235,7 +255,7 @@ def test_other_commands(scene: Callable[..., Path], tmp_path: Path, command: str
     options = ("--ticks", "20") if command == "verify" else ("--size", "32x24", "-o", tmp_path / "picture.png")
     outcome = _morse(scene("a = Later(); robot.append(a)"), *options, command=command)
     assert outcome.status == FAULTS
-    assert "robot.a is deactivated: RuntimeError: tired" in outcome.text
+    assert "robot.a failed and is deactivated: RuntimeError: tired" in outcome.text
     assert ("Repeatable" in outcome.text) == (command == "verify")
     assert (tmp_path / "picture.png").exists() == (command == "render"), "it has done its work nevertheless"
 
@@ -256,7 +276,49 @@ def test_a_fall_is_told_and_ends_the_run_if_the_scene_says_so(scene: Callable[..
     outcome = _morse("--duration", "1000", strict)
     assert outcome.status == FAULTS
     assert "[ERROR][MORSE] off has left the world: it is at z = -1" in outcome.text
+    assert "[ERROR][MORSE] robots that have left the world" in outcome.text
     assert len(outcome.named(LEFT)) == 1
     kept = _morse("--duration", "2.5", "--keep-going", strict)
     assert (kept.status, len(kept.named(LEFT))) == (0, 1)
     assert "[ERROR]" not in kept.text
+
+
+# -- the step of the page on CI ---------------------------------------------------------------------------
+
+DRIVER = """
+from pymorse import Morse
+with Morse() as simulation:
+    simulation.sleep(0.5)
+raise SystemExit({status})
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="it is for bash")
+@pytest.mark.parametrize(
+    ("lines", "driver", "status"),
+    [("a = Counter(); robot.append(a)", 0, 0), (KINDS["in the middle"][0], 0, FAULTS), ("", 5, 5)],
+)
+def test_the_step_of_the_documentation(
+    scene: Callable[..., Path], tmp_path: Path, lines: str, driver: int, status: int
+) -> None:
+    page = (Path(__file__).parents[2] / "docs/ci.md").read_text(encoding="utf-8")
+    (jobs,) = [yaml.safe_load(text.partition("```")[0]) for text in page.split("```yaml\n")[1:] if "driver.py" in text]
+    (step,) = [one["run"] for one in jobs["jobs"]["drive"]["steps"] if "driver.py" in one.get("run", "")]
+    here = "until grep -qs INITIALIZED run.log; do sleep 0.1; done; timeout 300 python3"
+    for before, after in {
+        ". /opt/ros/$ROS_DISTRO/setup.sh\n": "",
+        "/morse/bin/morse run --headless --ros2": f"{sys.executable} -m morse run --headless --keep-last 0",
+        "rover.py &": "rover.py > run.log &",
+        "timeout 300 python3": here.replace("python3", sys.executable),
+    }.items():
+        assert before in step
+        step = step.replace(before, after)
+    scene(lines).rename(tmp_path / "rover.py")
+    (tmp_path / "driver.py").write_text(DRIVER.format(status=driver))
+    done = subprocess.run(
+        ["bash", "-e", "-c", step], cwd=tmp_path, capture_output=True, text=True, timeout=200, check=False
+    )
+    said = done.stdout + done.stderr + (tmp_path / "run.log").read_text()
+    assert done.returncode == status, said
+    assert ("robot.a failed and is deactivated: RuntimeError: tired" in said) == (status == FAULTS)
+    assert (tmp_path / "run.mcap").stat().st_size > 0

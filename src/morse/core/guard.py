@@ -77,7 +77,8 @@ class Failure(NamedTuple):
         cause = " ".join(self.cause.split())
         cause = cause if len(cause) <= _LONGEST_CAUSE else f"{cause[:_LONGEST_CAUSE]}…"
         where = f" ({self.where})" if self.where else ""
-        return f"at {self.time:.3f} s {self.part} {self.consequence}: {cause}{where}"
+        failed = "failed and " if self.kind == "fault" else ""
+        return f"at {self.time:.3f} s {self.part} {failed}{self.consequence}: {cause}{where}"
 
 
 def by_part(failures: Iterable[Failure]) -> str:

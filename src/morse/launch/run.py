@@ -129,7 +129,11 @@ class _Course:
         if faults:
             logger.error("[ERROR][MORSE] switched off by faults in this run:\n%s", by_part(faults))
         if fallen:
-            logger.warning("robots that have left the world in this run:\n%s", by_part(fallen))
+            title = "robots that have left the world in this run:"
+            if self.status == FAULTS:
+                logger.error("[ERROR][MORSE] %s\n%s", title, by_part(fallen))
+            else:
+                logger.warning("%s\n%s", title, by_part(fallen))
 
     def leave(self, leave: Callable[[int], object]) -> None:
         """End the process, although a part does not end."""

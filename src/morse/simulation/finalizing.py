@@ -36,7 +36,7 @@ class Finalizing:
     def _overdue(self, who: str, line: str) -> None:
         """Keep that a part does not end as a failure."""
         time = self.context.clock.time
-        self.context.guard.note(Failure("fault", who, "does not end", time, "it was left after its limit", line))
+        self.context.guard.note(Failure("fault", who, "is left", time, "it does not end", line))
 
     def finalize_components(self) -> None:
         """Finalize the components and modifiers."""

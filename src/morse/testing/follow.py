@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 INITIALIZED = "SCENE INITIALIZED"
 EXITING = "EXITING SIMULATION"
 #: words of lines about errors that have lines of their own
-_ABOUT_OTHERS = ("switched off by faults in this run:", "before the failure are in ")
+_ABOUT_OTHERS = (
+    "switched off by faults in this run:",
+    "robots that have left the world",
+    "before the failure are in ",
+    "of the failure is in ",
+)
 #: a robot in the last lines of a run
 _LEFT = re.compile(r"  at \d+\.\d+ s .* has left the world: ")
 #: largest number of errors that are kept
