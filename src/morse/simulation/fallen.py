@@ -9,7 +9,6 @@ from weakref import WeakSet
 
 from morse.core.exceptions import MorseError
 from morse.core.guard import Failure
-from morse.core.observer import SHOWN
 from morse.physics.model.lowest import lowest_shape
 
 if TYPE_CHECKING:
@@ -79,6 +78,5 @@ class Fallen:
         if simulation.scene.settings.fallen == "error" and not simulation.options.keep_going:
             simulation.part_failed(FallenError(f"{name} has left the world: {place}"), name)
             return
-        logger.warning(
-            "%s falls: %s; F11 or the service simulation.reset begins again", name, place, extra={SHOWN: True}
-        )
+        # the page shows it in words, and marks the robot
+        logger.warning("%s falls: %s; F11 or the service simulation.reset begins again", name, place)
