@@ -90,9 +90,9 @@ def test_a_run_in_a_document_moves_only_itself(folder: Path, browser: Any) -> No
         '<p style="height: {}px">text</p>'
         '<span class="run"><iframe width="600" height="400" data-src="run.html?quality=low#loop"></iframe></span>'
     )
-    document = "".join(frame.format(height) for height in (900, 60, 3000)) + '<script type="module">{}</script>'
-    script = (DOCS / "_static" / "runs.js").read_text()
-    (folder / "document.html").write_text("<!doctype html>" + document.format(script))
+    document = "".join(frame.format(height) for height in (900, 60, 3000))
+    script = f'<script defer src="{(DOCS / "_static" / "runs.js").as_uri()}"></script>'
+    (folder / "document.html").write_text("<!doctype html>" + script + document)
     page = browser.new_page(viewport={"width": 1000, "height": 600})
     page.goto((folder / "document.html").as_uri())
     loaded = "[...document.querySelectorAll('iframe')].map((frame) => frame.hasAttribute('src'))"
