@@ -116,6 +116,29 @@ def test_the_office_is_closed(height: float) -> None:
     assert np.all(np.abs(points[:, 1]) < across + 0.2)
 
 
+@pytest.mark.parametrize("world", ["indoors-1/boxes", "indoors-1/indoor-1"])
+def test_the_hall_is_closed(world: str) -> None:
+    """No robot falls from the floor of the hall: rays in all directions hit a wall above it."""
+
+    def scene() -> None:
+        robot = FakeRobot("robot")
+        scan = Hokuyo("scan")
+        scan.translate(z=3.0)
+        scan.properties(scan_window=360.0, resolution=0.5, laser_range=60.0)
+        robot.append(scan)
+        Environment(world)
+
+    with morse.load(scene) as simulation:
+        simulation.step(30)
+        points = np.array(simulation.robot.scan.get()["point_list"])
+    assert len(points) >= 720
+    # a ray without a hit ends at (0, 0, 0)
+    assert np.all(np.hypot(points[:, 0], points[:, 1]) > 10.0)
+    floor = next(node for node in scene_of(world).nodes() if node.name == "Ground")
+    assert floor.mesh is not None
+    assert np.all(np.abs(points[:, :2]) < np.abs(floor.mesh.vertices[:, :2]).max(axis=0))
+
+
 def test_doors_of_the_office_are_wide_enough() -> None:
     """No gap in the south wall of the corridor is narrower than 1.4 m: Morsy, 1.2 m wide, passes."""
     walls = load(find("indoors-1/office", "environments"))

@@ -1,4 +1,4 @@
-"""The hall of the indoor worlds: a floor, two walls and lamps."""
+"""The hall of the indoor worlds: a floor, four walls and lamps."""
 
 from __future__ import annotations
 
@@ -18,11 +18,16 @@ def hall() -> None:
     wall = material("Wall", "#e8e2d4", 0.9, image=packed("wall.jpg", wall_picture(512)))
     ground = rectangle(39.2, 30).mapped(3.2).painted(floor)
     exact("Ground", [ground], (39.2, 30, 0), (0, 0, 0), physics_type="STATIC")
-    # both walls face the inside of the hall; the image covers their whole height once
+    # all walls face the inside of the hall; the image covers their whole height once
     west = upright(29.8, 4.44, wall).turned(z=90)
     exact("Plane", [west], (0, 29.8, 4.44), (0, 0, 0), (-17.7, 0.384, 2.15), physics_type="STATIC")
     north = upright(45, 4.44, wall)
     exact("Plane.001", [north], (45, 0, 4.44), (0, 0, 0), (-0.048, 14, 2.12), physics_type="STATIC")
+    # MORSE 1.4 has the two walls above; without these, robots fall from the edges of the floor
+    east = upright(29.8, 4.44, wall).turned(z=-90)
+    exact("Plane.002", [east], (0, 29.8, 4.44), (0, 0, 0), (19.4, -0.4, 2.15), physics_type="STATIC")
+    south = upright(38, 4.44, wall).turned(z=180)
+    exact("Plane.003", [south], (38, 0, 4.44), (0, 0, 0), (0.9, -14.4, 2.12), physics_type="STATIC")
     lamp("Sun", "SUN", 2.2, (0, -6, 12), (0.65, -0.3, 0.2), color="#fff4e2")
     for number, (x, y) in enumerate(((-10, 0), (0, 0), (10, 0)), start=1):
         lamp(f"Lamp{number}", "POINT", 500.0, (x, y, 7.0), color="#fff0d6", shadow=False)

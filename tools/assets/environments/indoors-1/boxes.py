@@ -1,4 +1,4 @@
-"""A hall with two walls and three coloured boxes, for testing sensors."""
+"""A hall with three coloured boxes, for testing sensors."""
 
 from __future__ import annotations
 
