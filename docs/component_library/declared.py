@@ -14,6 +14,8 @@ from morse.core.validation.arguments import argument_ranges
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+#: characters of a number that are shown in full
+_MOST_DIGITS = 8
 _COMMON = {declaration.name for declaration in declared_services(Object)} | {"get_local_data"}
 
 
@@ -25,7 +27,7 @@ def data_table(cls: type) -> str:
         level = field.level if isinstance(field.level, str) else ", ".join(field.level)
         # some defaults are words that describe the initial value
         words = isinstance(field.default, str) and field.type not in ("string", "str")
-        default = field.default if words else code(_shown(field.default))
+        default = field.default if words else code(shown(field.default))
         row = [code(name), field.type, field.unit, field.frame, default, _bounds(field.low, field.high), field.doc]
         rows.append([*row, level] if has_levels else row)
     return table(
@@ -48,7 +50,7 @@ def property_table(cls: type, changed: Mapping[str, Any]) -> str:
                 code(prop.name),
                 prop.type,
                 prop.unit,
-                code(_shown(changed.get(prop.name, prop.default))),
+                code(shown(changed.get(prop.name, prop.default))),
                 ", ".join(map(str, prop.choices)) or _bounds(prop.low, prop.high),
                 prop.doc,
             ]
@@ -122,5 +124,8 @@ def _bounds(low: float | None, high: float | None) -> str:
     return f"{'' if low is None else f'{low:g}'} … {'' if high is None else f'{high:g}'}".strip()
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """A value in Python, with as many digits of a number as anybody would write: 5° in radians has sixteen."""
+    if isinstance(value, float) and len(repr(value)) > _MOST_DIGITS:
+        return f"{value:.4g}"
     return repr(value) if isinstance(value, str) else str(value)

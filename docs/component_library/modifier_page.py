@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING
 
+from component_library.declared import shown
 from component_library.markdown import code, page, prose, section, table
 from morse.builder.names import catalog
 from morse.builder.names.classes import load_class
@@ -33,7 +34,7 @@ def _sections() -> Iterator[str]:
             ["for", ", ".join(entry.attributes.get("_components", ()))],
         ]
         options = (
-            [code(name), code(repr(option.default)), option.unit or "", option.doc]
+            [code(name), code(shown(option.default)), option.unit or "", option.doc]
             for name, option in cls.options.items()
         )
         yield section(

@@ -33,6 +33,8 @@ _VALUES = {
     "LedArray": {"colours": "[[[1.0, 0.5, 0.0]] * 8] * 8"},
     "Gripper": {"grab": "True"},
     "Sound": {"mode": '"play"'},
+    "ExternalForce": {"force": "[40.0, 0.0, 0.0]"},
+    "ForceTorque": {"force": "[40.0, 0.0, 0.0]"},
 }
 #: components that need a geographic position
 _ON_THE_EARTH = ("Magnetometer",)
@@ -125,5 +127,7 @@ def _example(value: object) -> str:
         return repr(value)
     if isinstance(value, (int, float)):
         return "0.5" if isinstance(value, float) else "1"
+    if isinstance(value, list) and value and not any(value):
+        return repr([0.5] * len(value))  # zeros do nothing that could be seen
     # the default of many fields is the initial state of the robot, described in words
     return repr(value) if isinstance(value, (list, dict)) else "0.5"

@@ -141,8 +141,9 @@ class Component:
                 hint = "it is an actuator and takes data: use publish()"
             else:
                 hint = "it is a sensor and sends data: use get(), last() or subscribe()"
-            return AttributeError(f"{self.fqn} has no {name}: {hint}")
-        return AttributeError(f"{self.fqn} has no '{name}'{suggestion(name, self._names())}")
+            return AttributeError(f"{self.fqn} has no {name}: {hint}", name=name)
+        # with a name, but without an object, Python adds no suggestion of its own
+        return AttributeError(f"{self.fqn} has no '{name}'{suggestion(name, self._names())}", name=name)
 
     def _names(self) -> list[str]:
         streaming = (_READING if "OUT" in self._directions else ()) + (_WRITING if "IN" in self._directions else ())

@@ -157,7 +157,8 @@ class Morse:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        raise AttributeError(f"no robot '{name}' in the simulation{suggestion(name, self._robots)}")
+        # with a name, but without an object, Python adds no suggestion of its own
+        raise AttributeError(f"no robot '{name}' in the simulation{suggestion(name, self._robots)}", name=name)
 
     # services -------------------------------------------------------------------------------
 

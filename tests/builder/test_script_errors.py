@@ -216,6 +216,12 @@ def test_a_module_of_ros_1_that_is_missing(load: Load, monkeypatch: pytest.Monke
         assert way in error.mend
 
 
+@pytest.mark.parametrize("line", ["PassiveObject('props/objects', 'RedBox')", "bpymorse.get_object('RedBox')"])
+def test_an_object_of_a_world_is_said_to_be_there(load: Load, line: str) -> None:
+    with pytest.raises(ScriptError, match="it is in the worlds indoors-1/boxes, indoors-1/indoor-1"):
+        load(f"{HEAD}thing = {line}\n{END}")
+
+
 def test_broken_component_class(load: Load, project: Path) -> None:
     (project / "sonars" / "sonar.py").write_text("import no_such_library\n")
     error = failure(

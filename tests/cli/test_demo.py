@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import morse
 from morse.cli.app import execute
 from morse.cli.examples import examples
@@ -18,6 +20,12 @@ def test_examples_are_listed(capsys):
     assert execute(["demo"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines[:-1]] == list(examples())
+
+
+@pytest.mark.parametrize("name", examples())
+def test_the_scene_of_an_example_has_no_warnings(name):
+    with morse.load(examples()[name].scene, on_warning="raise") as simulation:
+        simulation.step(2)
 
 
 def test_an_example_runs_with_its_client():

@@ -55,6 +55,40 @@ def test_as_fast_as_possible(morse, project, started, word):
     assert started[0].speed == math.inf
 
 
+@pytest.mark.parametrize("command", ["run", "verify"])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--ticks", "0"], "--ticks takes an integer of at least 1, such as 600; got 0"),
+        (["--ticks", "-5"], "got -5"),
+        (["--ticks", "many"], "--ticks takes an integer, not 'many'"),
+        (["--duration", "0"], "--duration takes a number greater than 0"),
+        (["--duration", "1e10"], "at most 1e+09 simulated seconds"),
+        (["--duration", "1", "--ticks", "60"], "give one of them"),
+    ],
+)
+def test_lengths_that_are_none(morse, project, started, command, options, said):
+    answer = morse(command, *options, "ranger_sim")
+    assert answer.status == 2
+    assert said in answer.err
+    assert not started
+
+
+def test_a_number_of_ticks(morse, project, started):
+    morse("run", "--ticks", "600", "ranger_sim")
+    assert (started[0].duration, started[0].ticks) == (None, 600)
+
+
+@pytest.mark.parametrize(("options", "said"), [(["--duration", "0.05"], "0.05 s"), (["--ticks", "3"], "3 ticks")])
+def test_verify_for_a_while(morse, options, said):
+    (morse.directory / "scene.py").write_text(
+        "from morse.builder import *\nrobot = ATRV()\nenv = Environment('empty')\n"
+    )
+    answer = morse("verify", "scene.py", *options)
+    assert answer.status == 0
+    assert answer.out.splitlines()[-1] == f"* Repeatable: {said} are equal to the bit."
+
+
 def test_models_of_the_project_are_found(morse, project, started):
     (project / "data").mkdir()
     morse("run", "ranger_sim")

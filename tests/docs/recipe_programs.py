@@ -44,6 +44,7 @@ def _follow(done: Done) -> None:
 
 def _avoid(done: Done) -> None:
     assert not done.names["touched"].touched
+    assert "no contact" in done.output
 
 
 def _dock(done: Done) -> None:
@@ -122,6 +123,7 @@ def _contact(done: Done) -> None:
 
 def _dominoes(done: Done) -> None:
     assert all(done.places[f"stone{number}"][2] < 0.55 for number in range(3))  # 0.6 m while they stand
+    assert "fallen: ['stone0', 'stone1', 'stone2'" in done.output
 
 
 def _pick(done: Done) -> None:

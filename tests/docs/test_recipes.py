@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 import runpy
 import subprocess
@@ -43,13 +44,17 @@ def test_every_recipe_is_checked_and_short() -> None:
 def test_a_scene_does_what_it_says(name: str, tmp_path: Path) -> None:
     script = tmp_path / "scene.py"
     script.write_text(RECIPES[name], encoding="utf-8")
-    with morse.load(script) as sim:
+    with morse.load(script, on_warning="raise") as sim:
         recipe_scenes.CHECKS[name](sim)
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_program_does_what_it_says(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    name: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     places: dict[str, list[float]] = {}
     close = Simulation.close
@@ -65,7 +70,11 @@ def test_a_program_does_what_it_says(
     if "morse.gym" in RECIPES[name]:
         pytest.importorskip("gymnasium")
     names = runpy.run_path(str(script), run_name="__main__")
-    recipe_programs.CHECKS[name](Done(names, tmp_path, places, capsys.readouterr().out))
+    output, noise = capsys.readouterr()
+    recipe_programs.CHECKS[name](Done(names, tmp_path, places, output))
+    assert output or len(list(tmp_path.iterdir())) > 1, "a program shows what it has done"
+    assert not noise
+    assert not [record.getMessage() for record in caplog.records if record.levelno >= logging.WARNING]
 
 
 def test_a_test_passes(tmp_path: Path) -> None:

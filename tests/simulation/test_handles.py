@@ -5,6 +5,8 @@ from __future__ import annotations
 import gc
 import re
 import signal
+import subprocess
+import sys
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -525,3 +527,21 @@ def test_completion_offers_what_programs_call() -> None:
         assert {"place", "restart", "pose"} <= set(dir(sim.robot))
     assert "step" in dir(sim)
     assert "robot" not in dir(sim)
+
+
+@pytest.mark.parametrize(
+    ("lines", "word"),
+    [
+        ("sim = morse.load(scene)\nsim.robo", "robo"),
+        ("sim = morse.load(scene)\nsim.robot.pos", "pos"),
+        ("ATRV().trnslate(1)", "trnslate"),
+    ],
+)
+def test_a_name_is_suggested_once(lines: str, word: str) -> None:
+    """Python adds a suggestion of its own to an `AttributeError` that ends a program."""
+    text = "import morse\nfrom morse.builder import *\ndef scene():\n    robot = ATRV()\n    pose = Pose()\n"
+    text += f"    robot.append(pose)\n    env = Environment('empty')\n{lines}\n"
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=120, check=False)
+    last = done.stderr.strip().splitlines()[-1]
+    assert f"'{word}'" in last
+    assert last.casefold().count("did you mean") == 1

@@ -78,6 +78,19 @@ def test_the_last_page_that_is_left_takes_the_wheel(running, open_page) -> None:
     until(lambda: second.evaluate("morse.seat.drives.value"))
 
 
+def test_a_page_that_watches_cannot_end_the_simulation(running, open_page) -> None:
+    _, url = running
+    first, second = open_page(url), open_page(url)
+    # in narrow windows it is behind another button
+    button = second.get_by_role("button", name="End the simulation", include_hidden=True)
+    until(lambda: second.get_by_role("button", name="ask to drive").is_visible())
+    until(button.is_disabled)
+    assert "only the page that drives" in str(button.get_attribute("title"))
+    first.close()
+    until(button.is_enabled)
+    assert button.get_attribute("title") == "End the simulation"
+
+
 def test_quit_asks(shown) -> None:
     driver, page = shown
     page.get_by_role("button", name="End the simulation").click()

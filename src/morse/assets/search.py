@@ -7,6 +7,7 @@ import importlib.util
 import itertools
 import logging
 import os
+import re
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
@@ -32,6 +33,8 @@ MODEL_PATHS = (
 _project_dirs: list[Path] = []
 
 _MAX_ENTRIES = 20_000
+#: the name of an object in a .blend file
+_OBJECT = re.compile(rb"OB([A-Za-z_][\w.-]{0,60})\0")
 
 
 class AssetNotFoundError(FileNotFoundError):
@@ -80,6 +83,27 @@ def _package_dirs(package: str) -> list[Path]:
         error = repr(raised)
     logger.warning("the models of the installed package '%s' are left out: %s", package, error, extra=OF_MACHINE)
     return []
+
+
+def worlds_with(name: object) -> str:
+    """``; it is in the world a`` for the name of an object that worlds of MORSE have; else empty."""
+    worlds = _worlds_of_objects().get(str(name), ())
+    return f"; it is in the world{'s' if len(worlds) > 1 else ''} {', '.join(worlds)}" if worlds else ""
+
+
+@lru_cache(maxsize=1)
+def _worlds_of_objects() -> dict[str, list[str]]:
+    """The names of objects, and the worlds of MORSE that have them; only the names in the files are read."""
+    # imported on demand: only a mistake needs it
+    from morse.assets.blend.container import load
+
+    worlds: dict[str, list[str]] = {}
+    folder = Path(MORSE_COMPONENTS, "environments")
+    for path in sorted(folder.rglob("*.blend")):
+        world = path.relative_to(folder).with_suffix("").as_posix()
+        for name in sorted(set(_OBJECT.findall(load(path)))):
+            worlds.setdefault(name.decode(), []).append(world)
+    return worlds
 
 
 def resource_dirs() -> list[Path]:

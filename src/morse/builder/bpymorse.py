@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.assets.search import worlds_with
 from morse.builder import workspace
 from morse.builder.blender.game import checked_property
 from morse.builder.blender.materials import ObjectMaterial, material_slots
@@ -57,7 +58,8 @@ def get_object(name: str) -> SceneObject:
     node = workspace.current().find(checks.text(name, "bpymorse.get_object(name)"))
     if node is None:
         names = workspace.current().names()
-        raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, names)}")
+        hint = checks.suggestion(name, names) + worlds_with(name)
+        raise MorseBuilderNoComponentError(f"there is no object '{name}'{hint}")
     return SceneObject(node)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.assets.search import worlds_with
 from morse.builder import bpymorse, workspace
 from morse.builder.assembly import shapes
 from morse.builder.blender.objects import SceneObject
@@ -87,7 +88,8 @@ class ComponentCreator(Component):
         node = workspace.current().find(name)
         if node is None:
             names = workspace.current().names()
-            raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, names)}")
+            hint = checks.suggestion(name, names) + worlds_with(name)
+            raise MorseBuilderNoComponentError(f"there is no object '{name}'{hint}")
         return SceneObject(node)
 
     def _load_defaults(self, make_morseable: bool) -> None:

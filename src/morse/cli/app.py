@@ -137,7 +137,7 @@ app = typer.Typer(
 def global_options(
     context: typer.Context,
     noaudio: Annotated[
-        bool, typer.Option("-n", "--noaudio", help="Accepted for old scripts: MORSE makes no sound.")
+        bool, typer.Option("-n", "--noaudio", help="Accepted for old scripts: only the live view plays sounds.")
     ] = False,
     color: Annotated[bool, typer.Option("-c", "--color", help="Colour the log of the simulation.")] = False,
     reverse_color: Annotated[

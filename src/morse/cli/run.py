@@ -10,7 +10,7 @@ import re
 import socket
 import sys
 from datetime import date
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -85,6 +85,9 @@ def command(
     duration: Annotated[
         str | None, typer.Option("--duration", metavar="SECONDS", help="Stop after this simulated time, s.")
     ] = None,
+    ticks: Annotated[
+        int | None, typer.Option("--ticks", metavar="N", help="Stop after this number of ticks, instead of --duration.")
+    ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of all random numbers.")] = None,
     verbose: Annotated[bool, typer.Option("--verbose", help="List all services at the start.")] = False,
     strict: Annotated[
@@ -153,6 +156,7 @@ def command(
     log name each with time, file and line.
     """
     check_geometry(geometry)
+    length = Length.of(duration, ticks)
     resolved = resolve(scene or [])
     node = name or node_name()
     # scripts of several nodes read from it which node they describe
@@ -165,7 +169,8 @@ def command(
         view_origins=_origins(view_origin or []),
         open_browser=browser,
         speed=parse_speed(speed),
-        duration=None if duration is None else _duration(duration),
+        duration=length.seconds,
+        ticks=length.ticks,
         seed=_seed(seed),
         profile=profile,
         keep_going=keep_going,
@@ -289,13 +294,38 @@ def parse_speed(text: str | None) -> float | None:
     return speed
 
 
+class Length(NamedTuple):
+    """How long a simulation runs.
+
+    Attributes:
+        seconds: simulated seconds, or None.
+        ticks: number of ticks, or None; at most one of the two is given.
+    """
+
+    seconds: float | None
+    ticks: int | None
+
+    @classmethod
+    def of(cls, duration: str | None, ticks: int | None) -> Length:
+        """The length of two options.
+
+        Raises:
+            CommandError: a value is not valid, or both are given.
+        """
+        if duration is not None and ticks is not None:
+            raise CommandError("--duration and --ticks both say when the simulation stops: give one of them.", 2)
+        if ticks is not None and ticks < 1:
+            raise CommandError(f"--ticks takes an integer of at least 1, such as 600; got {ticks}.", 2)
+        return cls(None if duration is None else _duration(duration), ticks)
+
+
 def _duration(text: str) -> float:
     seconds = _positive("--duration", text, "60 (simulated seconds)")
     if seconds > _LONGEST:
         raise CommandError(
             f"--duration takes at most {_LONGEST:g} simulated seconds, got {text}; without it the simulation runs "
             "until it is stopped.",
-            status=2,
+            2,
         )
     return seconds
 
@@ -306,7 +336,7 @@ def _positive(option: str, text: str, example: str) -> float:
     except ValueError:
         value = math.nan
     if not (value > 0.0 and math.isfinite(value)):
-        raise CommandError(f"{option} takes a number greater than 0, such as {example}; got '{text}'.", status=2)
+        raise CommandError(f"{option} takes a number greater than 0, such as {example}; got '{text}'.", 2)
     return value
 
 

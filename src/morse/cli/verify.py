@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from morse.cli.messages import CommandError, complain, say
+from morse.cli.run import Length
 from morse.cli.scenes import resolve
 
 # options may follow the scene; arguments of the scene that begin with a dash come after "--"
@@ -18,7 +19,11 @@ def command(
         list[str],
         typer.Argument(metavar="ENVIRONMENT [FILE] | PATH", help="The scene, as for `morse run`.", show_default=False),
     ],
-    ticks: Annotated[int, typer.Option("--ticks", min=1, help="Ticks to compare.")] = 600,
+    ticks: Annotated[int | None, typer.Option("--ticks", help="Ticks to compare (default: 600).")] = None,
+    duration: Annotated[
+        str | None,
+        typer.Option("--duration", metavar="SECONDS", help="Simulated time to compare, s, instead of --ticks."),
+    ] = None,
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of all random numbers.")] = None,
 ) -> int:
     """Run a scene several times and compare every tick, to the bit.
@@ -29,13 +34,13 @@ def command(
     from morse.simulation.ending import FAULTS
     from morse.verification.verify import ReplayError, verify
 
+    length = Length.of(duration, ticks)
     resolved = resolve(scene)
-    options = resolved.options(
-        seed=seed,
-    )
+    options = resolved.options(seed=seed, duration=length.seconds)
+    count = length.ticks or (600 if length.seconds is None else None)
     failures: list[str] = []
     try:
-        differences = verify(options, ticks, lambda text: say(f"Running {text} ..."), failed=failures.append)
+        differences = verify(options, count, lambda text: say(f"Running {text} ..."), failed=failures.append)
     except ReplayError as error:
         raise CommandError(f"The scene did not run to the end:\n{error}") from None
     for difference in differences:
@@ -45,7 +50,8 @@ def command(
             "of threads."
         )
     if not differences:
-        say(f"Repeatable: {ticks} ticks are equal to the bit.")
+        said = f"{length.seconds:g} s" if count is None else f"{count} ticks"
+        say(f"Repeatable: {said} are equal to the bit.")
     if failures:
         complain(f"Switched off by faults:\n{failures[0]}")
     return 1 if differences else FAULTS if failures else 0

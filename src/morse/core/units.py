@@ -1,12 +1,13 @@
 """Units of measurement: their dimensions, and conversions between them.
 
-A unit is written as names, ``·`` or ``*``, ``/`` and powers: ``m/s``, ``rad/s^2``, ``N·m``, ``kg·m²``.
+A unit is written as names, ``·`` or ``*``, ``/``, powers and roots: ``m/s``, ``rad/s^2``, ``N·m``, ``V/√Hz``.
 """
 
 from __future__ import annotations
 
 import math
 import re
+from fractions import Fraction
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -25,7 +26,7 @@ class Unit(NamedTuple):
 
     factor: float
     offset: float
-    dimension: tuple[tuple[str, int], ...]
+    dimension: tuple[tuple[str, int | Fraction], ...]
 
 
 _BASE = ("m", "kg", "s", "A", "K", "rad", "px", "cd", "mol", "dB")
@@ -83,7 +84,7 @@ def unit(text: str) -> Unit:
         return Unit(factor, offset, (("K", 1),))
     if text in _BASE:
         return Unit(1.0, 0.0, ((text, 1),))
-    factor, powers = 1.0, dict[str, int]()
+    factor, powers = 1.0, dict[str, int | Fraction]()
     sign = 1
     for index, part in enumerate(_SEPARATOR.split(text.strip())):
         if index % 2:
@@ -96,12 +97,14 @@ def unit(text: str) -> Unit:
     return Unit(factor, 0.0, tuple(sorted((name, power) for name, power in powers.items() if power)))
 
 
-def _term(part: str, text: str) -> tuple[float, tuple[tuple[str, int], ...]]:
+def _term(part: str, text: str) -> tuple[float, tuple[tuple[str, int | Fraction], ...]]:
     match = _TERM.fullmatch(part)
     if match is None:
         raise UnitError(f"the unit {text!r} is unknown{nearest(text, known_units())}")
-    name = match[1]
-    power = int(match[2] or (match[3] or "1").translate(_POWERS))
+    name = match[1].removeprefix("√")
+    power: int | Fraction = int(match[2] or (match[3] or "1").translate(_POWERS))
+    if name != match[1]:
+        power = Fraction(power, 2)
     if name in _BASE:
         return 1.0, ((name, power),)
     derived = _DERIVED.get(name) or _PREFIXED.get(name)
@@ -110,7 +113,8 @@ def _term(part: str, text: str) -> tuple[float, tuple[tuple[str, int], ...]]:
         raise UnitError(f"the unit {name!r}{where} is unknown{nearest(name, [*known_units(), *_PREFIXED])}")
     size, of = derived
     base = unit(of) if of else Unit(1.0, 0.0, ())
-    return (size * base.factor) ** power, tuple((one, p * power) for one, p in base.dimension)
+    scale = (size * base.factor) ** (power if isinstance(power, int) else float(power))
+    return scale, tuple((one, p * power) for one, p in base.dimension)
 
 
 def known_units() -> list[str]:

@@ -321,7 +321,8 @@ def _loop(simulation: Simulation, leave: Leave = None) -> int:
     gc.freeze()
     stuck = _stop_at_signals(simulation, leave)
     try:
-        simulation.run(simulation.options.duration)
+        ticks = simulation.options.ticks
+        simulation.run(simulation.options.duration if ticks is None else ticks / simulation.clock.frequency)
     except UnstableError as error:
         failure = f"tick {simulation.clock.tick + 1}: {error}"
         _error(failure)

@@ -99,7 +99,13 @@ class IMU(MotionSensor):
         shape=3,
     )
     add_property(
-        "_gyro_density", 0.0, "GyroNoiseDensity", "float", "White noise of the angular velocity, rad/s/√Hz", low=0.0
+        "_gyro_density",
+        0.0,
+        "GyroNoiseDensity",
+        "float",
+        "White noise of the angular velocity",
+        unit="rad/s/√Hz",
+        low=0.0,
     )
     add_property(
         "_gyro_instability",
@@ -110,16 +116,23 @@ class IMU(MotionSensor):
         unit="rad/s",
         low=0.0,
     )
-    add_property("_gyro_walk", 0.0, "GyroRandomWalk", "float", "Random walk of the bias, rad/s/√s", low=0.0)
+    add_property("_gyro_walk", 0.0, "GyroRandomWalk", "float", "Random walk of the bias", unit="rad/s/√s", low=0.0)
     add_property(
-        "_accel_density", 0.0, "AccelNoiseDensity", "float", "White noise of the specific force, m/s²/√Hz", low=0.0
+        "_accel_density",
+        0.0,
+        "AccelNoiseDensity",
+        "float",
+        "White noise of the specific force",
+        unit="m/s^2/√Hz",
+        low=0.0,
     )
     add_property(
         "_accel_density_z",
         None,
         "AccelNoiseDensityZ",
         "float",
-        "White noise of the specific force along Z, m/s²/√Hz; none for that of X and Y",
+        "White noise of the specific force along Z; none for that of X and Y",
+        unit="m/s^2/√Hz",
         low=0.0,
         allow=("none",),
     )
@@ -132,7 +145,7 @@ class IMU(MotionSensor):
         unit="m/s^2",
         low=0.0,
     )
-    add_property("_accel_walk", 0.0, "AccelRandomWalk", "float", "Random walk of the bias, m/s²/√s", low=0.0)
+    add_property("_accel_walk", 0.0, "AccelRandomWalk", "float", "Random walk of the bias", unit="m/s^2/√s", low=0.0)
     add_property(
         "_correlation_time", 100.0, "BiasCorrelationTime", "float", "Correlation time of the biases", unit="s", low=1e-3
     )

@@ -26,6 +26,7 @@ class RunOptions:
         speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible; None for the value of the
             scene.
         duration: stop after that many simulated seconds.
+        ticks: stop after that many ticks; None for ``duration``.
         seed: seed of all random numbers; None for the value of the scene.
         profile: whether to measure the time of each phase and component.
         watch: whether to reload models and components that are saved while the simulation runs.
@@ -56,6 +57,7 @@ class RunOptions:
     open_browser: bool = True
     speed: float | None = None
     duration: float | None = None
+    ticks: int | None = None
     seed: int | None = None
     profile: bool = False
     watch: bool = False

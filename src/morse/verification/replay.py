@@ -44,7 +44,7 @@ class Replay:
 
     Attributes:
         options: fields of `RunOptions`.
-        ticks: length of each run.
+        ticks: length of each run; None for the duration of the options.
         restarts: number of restarts afterwards.
         clients: readers of every stream.
         pages: number of pages of the live view, if the options open one.
@@ -52,7 +52,7 @@ class Replay:
     """
 
     options: Options
-    ticks: int
+    ticks: int | None
     restarts: int = 0
     clients: int = 0
     pages: int = 1
@@ -76,9 +76,11 @@ def replay(request: Replay, file: TextIO) -> None:
 
 def _run(simulation: Simulation, request: Replay, file: TextIO) -> None:
     pacer = simulation.pacer
+    seconds = simulation.options.duration or 0.0
+    ticks = max(1, round(seconds * simulation.clock.frequency)) if request.ticks is None else request.ticks
     if request.paced:
-        pacer.set_speed(max(1.0, request.ticks * simulation.clock.period / _PACED))
-    for _ in range(request.ticks):
+        pacer.set_speed(max(1.0, ticks * simulation.clock.period / _PACED))
+    for _ in range(ticks):
         simulation.tick()
         file.write(json.dumps(simulation.save().fingerprints()) + "\n")
         if request.paced:

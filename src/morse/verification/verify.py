@@ -42,7 +42,7 @@ class Difference:
 
 def verify(
     options: RunOptions,
-    ticks: int,
+    ticks: int | None,
     progress: Callable[[str], object] = print,
     *,
     clients: int = 2,
@@ -56,6 +56,7 @@ def verify(
     with another seed of string hashes.
 
     Args:
+        ticks: length of the runs; None for the duration of the options.
         progress: called with descriptions of the runs.
         clients: on every stream.
         pages: of the live view.
@@ -75,8 +76,8 @@ def verify(
     if failures:
         failed(failures)
     comparisons = [
-        ("a new process and a restart", first[:ticks], first[ticks:]),
-        ("two processes, one of them watched and paced", first[:ticks], second),
+        ("a new process and a restart", first[: len(second)], first[len(second) :]),
+        ("two processes, one of them watched and paced", first[: len(second)], second),
     ]
     return [d for name, a, b in comparisons for d in _first_difference(name, a, b)]
 

@@ -126,6 +126,11 @@ export class Panels {
     world.watch((now) => (scene.title = now?.description.environment ?? ""));
     const themeButton = iconButton(icons.moon, "Light or dark", toggleTheme);
     theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
+    const quitButton = iconButton(icons.power, "End the simulation", () => this.app.clock.quit());
+    this.app.seat.drives.watch((drives) => {
+      quitButton.disabled = !drives;
+      quitButton.title = drives ? "End the simulation" : "End the simulation: only the page that drives can do this";
+    });
     // rarely used controls: beside the others, or behind a button in narrow windows
     const more = h(
       "div",
@@ -134,7 +139,7 @@ export class Panels {
       this.recording.button,
       ...this.capture.element.children,
       themeButton,
-      iconButton(icons.power, "End the simulation", () => this.app.clock.quit()),
+      quitButton,
       iconButton(icons.help, "Keys", () => this.help.toggle(), "H"),
     );
     shell.header.append(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.assets import find, load
+from morse.assets.search import worlds_with
 from morse.builder import workspace
 from morse.builder.assembly.selection import take
 from morse.builder.blender.objects import SceneObject
@@ -62,7 +63,8 @@ class Models:
             pattern = prefix if prefix is not None else ", ".join(names or ())
             candidates = [node.plain_name for node in library.nodes()] + list(library.collections)
             what = f"'{pattern}'" if pattern else "object"
-            raise MorseBuilderNoComponentError(f"no {what} in {library.path}{checks.suggestion(pattern, candidates)}")
+            hint = checks.suggestion(pattern, candidates) + worlds_with(pattern)
+            raise MorseBuilderNoComponentError(f"no {what} in {library.path}{hint}")
         return [SceneObject(root) for root in roots]
 
     def append_scenes(self, filename: str | None = None) -> list[SceneObject]:

@@ -15,4 +15,5 @@ def unknown_attribute(owner: object, name: str) -> NoReturn:
     public = [n for n in (*dir(type(owner)), *own) if not n.startswith("_")]
     near = checks.closest(name, public)
     hint = f"; did you mean '{near}'?" if near else ""
-    raise AttributeError(f"{kind} has no attribute '{name}'{hint}", name=name, obj=owner)
+    # with a name, but without an object, Python adds no suggestion of its own
+    raise AttributeError(f"{kind} has no attribute '{name}'{hint}", name=name)

@@ -6,6 +6,7 @@ import math
 import os
 from typing import TYPE_CHECKING
 
+from morse.assets.search import worlds_with
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.journal import SERVICE
@@ -269,7 +270,7 @@ class Arranging:
         if name not in objects:
             name = getattr(self._all_handles().get(name), "fqn", name)
         if name not in objects:
-            raise KeyError(f"there is no object '{name}'{nearest(name, list(objects))}")
+            raise KeyError(f"there is no object '{name}'{nearest(name, list(objects))}{worlds_with(name)}")
         return objects[name]
 
 

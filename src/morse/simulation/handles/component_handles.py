@@ -224,7 +224,7 @@ class ComponentHandle:
     def _wire(self, kind: type[_C], word: str, hint: str) -> _C:
         component = self.component
         if not isinstance(component, kind):
-            raise AttributeError(f"{self.fqn} has no {word}: {hint}")
+            raise AttributeError(f"{self.fqn} has no {word}: {hint}", name=word)
         self._wired = component
         return component
 
@@ -264,7 +264,8 @@ class ComponentHandle:
         return [declaration.name for declaration in self.component.services()]
 
     def _missing(self, name: str) -> Exception:
-        return AttributeError(f"{self.fqn} has no '{name}'{nearest(name, [*self.parts, *self._services()])}")
+        # with a name, but without an object, Python adds no suggestion of its own
+        return AttributeError(f"{self.fqn} has no '{name}'{nearest(name, [*self.parts, *self._services()])}", name=name)
 
     def __dir__(self) -> list[str]:
         component = None if self._simulation.finished else self._context.component(self.fqn)

@@ -132,7 +132,8 @@ class Handles(Arranging):
             raise AttributeError(f"a simulation has no attribute '{name}'")
         handles = self._all_handles()
         if name not in handles:
-            raise AttributeError(_no_attribute(name, list(handles), dir(type(self))))
+            # with a name, but without an object, Python adds no suggestion of its own
+            raise AttributeError(_no_attribute(name, list(handles), dir(type(self))), name=name)
         return handles[name]
 
     def __dir__(self) -> list[str]:
