@@ -66,4 +66,6 @@ def _open_closed_streams() -> None:
             mode = "r" if name == "stdin" else "w"
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 (open as long as the process)
     if is_closed:
-        print("* The standard output is closed: the log of the simulation is lost.", file=sys.stderr)
+        from morse.cli.messages import complain
+
+        complain("The standard output is closed: the log of the simulation is lost.")

@@ -14,6 +14,7 @@ from morse.cli.messages import CommandError, nearest, say, warn
 from morse.cli.names import class_name, component_name, environment_name
 from morse.cli.sites import Sites
 from morse.cli.templates import COMPONENT_KINDS, Values, behaviour_file, write_component
+from morse.core.reports.printing import echo
 
 # sensors and actuators in the template of a robot; a robot class of the same name would hide them
 _EQUIPMENT_OF_ROBOTS = ("Keyboard", "Pose")
@@ -51,7 +52,7 @@ def command(
     paths = write_component(directory, kind, values)
     say(f"Added the {kind} '{safe_name}' to '{package}':")
     for path in paths:
-        typer.echo(f"    {path}")
+        echo(f"    {path}")
     _explain(kind, package, safe_name, class_, directory)
 
 
@@ -63,13 +64,13 @@ def _package(directory: Path, name: str) -> str:
 
 
 def _ask_for_description(kind: str, name: str) -> str:
-    typer.echo(f"* A short description of the {kind} '{name}', in one line: ", nl=False)
+    echo(f"* A short description of the {kind} '{name}', in one line: ", end="")
     if sys.stdin is None:
         return ""
     # bytes, because a description in an unknown encoding is not a reason to fail
     line = sys.stdin.buffer.readline()
     if not (sys.stdin.isatty() and line.endswith(b"\n")):
-        typer.echo()
+        echo()
     return line.decode("utf-8", errors="replace").strip()
 
 
@@ -106,4 +107,4 @@ def _explain(kind: str, package: str, name: str, class_: str, directory: Path) -
             f"How scripts see it:    {source / 'builder' / f'{kind}s' / f'{name}.py'} (seldom has to be changed)",
             f"Does it follow the rules? morse check component {source / f'{kind}s' / f'{name}.py'}",
         ]
-    typer.echo("\n".join(lines))
+    echo("\n".join(lines))

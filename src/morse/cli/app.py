@@ -13,6 +13,7 @@ import typer.main
 
 from morse.cli.messages import CommandError, complain, nearest
 from morse.cli.rejections import explain, kind_of
+from morse.core.reports.printing import echo
 from morse.version import __version__
 
 if TYPE_CHECKING:
@@ -154,12 +155,12 @@ def global_options(
         typer.echo("\n".join(version_lines()))
         raise typer.Exit
     if version:
-        typer.echo(f"morse {__version__}")
+        echo(f"morse {__version__}")
         raise typer.Exit
     if verbose:
         raise CommandError("--verbose before a command belongs to `morse --version`.", status=2)
     if context.invoked_subcommand is None:
-        typer.echo(context.get_help())
+        echo(context.get_help())
 
 
 def execute(arguments: Sequence[str]) -> int:

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 from rich import box
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
@@ -19,6 +18,8 @@ from morse.cli.check_scene import check_scene
 from morse.cli.findings import Finding, findings
 from morse.cli.messages import CommandError, existing_file, nearest, say
 from morse.cli.sites import Sites
+from morse.core.reports import printing
+from morse.core.reports.printing import echo
 from morse.middleware import registry
 from morse.version import __version__
 
@@ -72,9 +73,9 @@ def command(
         raise CommandError("--fix belongs to `morse check SCENE`.", status=2)
     if robot is not None:
         raise CommandError("--robot belongs to `morse check component FILE_OR_NAME...`.", status=2)
-    typer.echo(f"MORSE {__version__}")
+    echo(f"MORSE {__version__}")
     results = list(findings())
-    console = Console()
+    console = printing.console()
     if console.width < _WIDTH_OF_TABLE:
         for result in results:  # columns would cut words
             console.print(_mark(result), f"{result.name}: {result.detail}", highlight=False, markup=False)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import typer
-
 from morse.cli.messages import CommandError, say, sentence
+from morse.core.reports.printing import echo
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,12 +49,12 @@ def check_components(names: Sequence[str], robot: str | None) -> int:
 
 def _print(report: Report) -> None:
     carrier = f", on {report.robot}" if report.robot and report.robot != report.name else ""
-    typer.echo(f"{report.name}{carrier}{f' ({report.where})' if report.where else ''}")
+    echo(f"{report.name}{carrier}{f' ({report.where})' if report.where else ''}")
     for rule in report.checked:
         faults = report.of(rule)
-        typer.echo(f"  {'NO ' if faults else 'yes'} {rule}")
+        echo(f"  {'NO ' if faults else 'yes'} {rule}")
         for fault in faults:
-            typer.echo(f"      {fault.where or report.name}: {fault.text}")
+            echo(f"      {fault.where or report.name}: {fault.text}")
     say(f"{report.name} satisfies the contract." if report.passed else f"{report.name}: {_count(len(report.faults))}.")
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from morse.cli.messages import CommandError, say, sentence
+from morse.core.reports.printing import console
 from morse.scene.armature import JointKind
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def check_model(path: Path, picture: Path | None = None) -> int:
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     for name, content in _rows(library):
         table.add_row(name, Text(content, overflow="fold"))
-    Console().print(table)
+    console().print(table)
     target = picture or Path(f"{path.stem}_check.png")
     try:
         draw(path, library, target)

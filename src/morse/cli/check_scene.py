@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import typer
-
 from morse.cli.messages import say
 from morse.cli.scenes import resolve
 from morse.core.exceptions import MorseError
+from morse.core.reports.printing import echo
 from morse.system.free_names import free_path
 from morse.system.source_text import encoded_source
 
@@ -76,7 +75,7 @@ def _print(findings: Sequence[Finding], script: Path) -> None:
     for finding in findings:
         place = f"{finding.file or script.name}:{finding.line}: " if finding.line else f"{script.name}: "
         kind = "error: " if finding.stops else "" if finding.is_old else "warning: "
-        typer.echo(f"{place}{kind}{finding.message}")
+        echo(f"{place}{kind}{finding.message}")
     say(f"{_counted(findings)}." if findings else "Nothing needs a change.")
 
 

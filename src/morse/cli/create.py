@@ -12,6 +12,7 @@ from morse.cli.messages import CommandError, say
 from morse.cli.names import environment_name
 from morse.cli.sites import Sites
 from morse.cli.templates import Values, write_environment
+from morse.core.reports.printing import echo
 
 
 def command(
@@ -34,7 +35,7 @@ def command(
 
     say(f"Created the environment '{name}' in {directory}:")
     for path in paths:
-        typer.echo(f"    {path.relative_to(directory.parent)}")
+        echo(f"    {path.relative_to(directory.parent)}")
     say(f"Start it with:           morse run {name}")
     say(f"Change the scene in:     {directory / 'default.py'}")
     say(f"Drive its robot from:    {directory / 'scripts' / f'{name}_client.py'}")

@@ -19,6 +19,7 @@ from morse.cli.examples import Example, example, examples
 from morse.cli.messages import CommandError, say
 from morse.cli.run import parse_speed
 from morse.core.reports import log
+from morse.core.reports.printing import echo
 from morse.simulation.options import RunOptions
 from morse.viewer.display import has_display
 
@@ -91,7 +92,7 @@ def _echo_row(name: str, what: str) -> None:
     """A row of two columns; a terminal breaks the second one between words, a pipe gets whole lines."""
     columns = shutil.get_terminal_size().columns - len(name) - 2 if sys.stdout.isatty() else len(what)
     lines = textwrap.wrap(what, max(columns, _NARROWEST))
-    typer.echo(f"{name}  " + f"\n{'':<{len(name)}}  ".join(lines))
+    echo(f"{name}  " + f"\n{'':<{len(name)}}  ".join(lines))
 
 
 def _copy(demo: Example, folder: Path) -> None:
@@ -157,7 +158,7 @@ class _Client:
         # the end of the simulation takes the connection away from the client: that is no failure of it
         if self._ended or simulation.context.stopping():
             return
-        sys.stderr.write(errors.decode(errors="replace"))
+        echo(errors.decode(errors="replace"), err=True, end="")
         self.status = 1 if status else 0
         if self._ends:
             simulation.stop()

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
+from morse.core.reports.printing import echo, harmless_paragraph
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -29,17 +29,17 @@ class CommandError(Exception):
 
 def say(message: str) -> None:
     """Print a message on the standard output."""
-    typer.echo(f"* {message}")
+    echo(f"* {harmless_paragraph(message)}")
 
 
 def warn(message: str) -> None:
     """Print a warning on the standard error."""
-    typer.echo(f"* Warning: {message}", err=True)
+    echo(f"* Warning: {harmless_paragraph(message)}", err=True)
 
 
 def complain(message: str) -> None:
     """Print the reason why a command failed on the standard error."""
-    typer.echo(f"* {message}", err=True)
+    echo(f"* {harmless_paragraph(message)}", err=True)
 
 
 def sentence(error: object) -> str:

@@ -17,6 +17,8 @@ import time
 from typing import TYPE_CHECKING
 
 from morse.cli.ports import port_number
+from morse.core.reports.log import log_plainly
+from morse.core.reports.printing import echo
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,14 +62,14 @@ class Pace:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of ``morse_sync``; returns the exit status."""
     options = _parser().parse_args(arguments)
-    logging.basicConfig(level=logging.DEBUG if options.debug else logging.INFO, format="* %(message)s")
+    log_plainly(logging.DEBUG if options.debug else logging.INFO)
     commands: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_read_commands, args=[commands], daemon=True).start()
     try:
         with _connect(options.host, options.port, options.timeout) as connection:
             return _pace(connection, Pace(options.period), commands)
     except OSError as error:
-        print(f"* {options.host}:{options.port}: {error}", file=sys.stderr)
+        echo(f"* {options.host}:{options.port}: {error}", err=True)
         return 1
     except KeyboardInterrupt:
         return 0
@@ -154,9 +156,9 @@ def _obey(line: str, pace: Pace) -> bool:
         try:
             pace.set_period(_positive(words[1]))
         except argparse.ArgumentTypeError as error:
-            print(f"* set_period: {error}", file=sys.stderr)
+            echo(f"* set_period: {error}", err=True)
     elif words:
-        print(f"* '{line.strip()}' is not a command; expected 'set_period SECONDS' or 'quit'", file=sys.stderr)
+        echo(f"* '{line.strip()}' is not a command; expected 'set_period SECONDS' or 'quit'", err=True)
     return True
 
 

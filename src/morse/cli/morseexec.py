@@ -11,11 +11,12 @@ import sys
 from typing import NoReturn
 
 from morse.cli import run_and_exit
+from morse.cli.messages import complain
 
 
 def main() -> NoReturn:
     """Entry point of ``morseexec``."""
     if len(sys.argv) < 2:
-        print("* Usage: morseexec SCRIPT [ARGUMENTS of the script]", file=sys.stderr)
+        complain("Usage: morseexec SCRIPT [ARGUMENTS of the script]")
         sys.exit(2)
     run_and_exit(["run", *sys.argv[1:]])

@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import logging
 import signal
-import sys
 import threading
 from typing import TYPE_CHECKING
 
+from morse.cli.messages import complain
 from morse.cli.ports import port_number
 from morse.core.clients.network import Network
 from morse.core.exceptions import MorseError
+from morse.core.reports.log import log_plainly
 from morse.launch.ending_signals import ending_signals
 from morse.middleware.multinode.messages import PORT
 from morse.middleware.multinode.server import MultinodeServer
@@ -26,13 +27,13 @@ logger = logging.getLogger("multinode_server")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of ``multinode_server``; returns the exit status."""
     options = _parser().parse_args(arguments)
-    logging.basicConfig(level=logging.INFO, format="* %(message)s")
+    log_plainly()
     if options.debug:
         logging.getLogger("morse").setLevel(logging.DEBUG)
     try:
         listener = listen(options.host, [options.port])
     except (MorseError, OSError, OverflowError) as error:
-        print(f"* {error}", file=sys.stderr)
+        complain(str(error))
         return 1
     stop = threading.Event()
 

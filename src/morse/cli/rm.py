@@ -10,6 +10,7 @@ import typer
 
 from morse.cli.messages import CommandError, nearest, say
 from morse.cli.sites import Sites
+from morse.core.reports.printing import echo
 
 
 def command(
@@ -43,9 +44,9 @@ def command(
 
 
 def _confirmed(question: str) -> bool:
-    typer.echo(f"* {question} [y/N] ", nl=False)
+    echo(f"* {question} [y/N] ", end="")
     try:
         return input().strip().lower() in ("y", "yes")
     except EOFError:
-        typer.echo()
+        echo()
         return False

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from morse.cli.messages import CommandError, complain, existing_file, say
+from morse.core.reports.printing import echo
 
 if TYPE_CHECKING:
     from morse.many import Study, Table
@@ -126,15 +127,15 @@ class ProgressLine:
     def __call__(self, text: str) -> None:
         """Show how far the study is."""
         if sys.stderr.isatty():
-            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+            echo(text, err=True, end="", over=True)
         elif text != self._last:
-            print(text, file=sys.stderr, flush=True)
+            echo(text, err=True)
         self._last = text
 
 
 def _end_line() -> None:
     if sys.stderr.isatty():
-        print(file=sys.stderr)
+        echo(err=True)
 
 
 def _rerun(folder: str, run: str, file: str, *, name: str | None) -> int:

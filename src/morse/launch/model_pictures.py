@@ -24,6 +24,7 @@ from morse.assets import find, load, search
 from morse.assets.cache import Cache
 from morse.builder.own_classes import own_classes
 from morse.core.classes.project_imports import ProjectImports
+from morse.core.reports.printing import echo
 from morse.scene.extent import visible_extent
 from morse.system.own_programs import own_output
 from morse.version import __version__
@@ -210,7 +211,7 @@ def _draw(several: list[Model], write: Callable[[object], None]) -> None:
             for model in list(nothing.values()):
                 _draw([model], write)
             return
-        print(f"{several[0].kind} has no picture: {error}", file=sys.stderr)
+        echo(f"{several[0].kind} has no picture: {error}", err=True)
     for model in nothing.values():
         _cache.put(_key(model), b"")
 

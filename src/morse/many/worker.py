@@ -12,6 +12,7 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any
 
+from morse.core.reports.printing import echo
 from morse.many.run import Run, run_once
 from morse.many.stock import Stock
 
@@ -88,7 +89,7 @@ def fork_worker(study: Runs, connection: socket.socket, lifeline: int, close: li
         status = 0
     except BaseException as error:
         with contextlib.suppress(Exception):
-            print(f"a worker has ended: {error!r}", file=sys.stderr)
+            echo(f"a worker has ended: {error!r}", err=True)
     finally:
         with contextlib.suppress(Exception):
             sys.stdout.flush()

@@ -22,6 +22,7 @@ from morse.core.exceptions import MorseError
 from morse.core.guard import by_part
 from morse.core.reports import log
 from morse.core.reports.faults import describe
+from morse.core.reports.printing import echo
 from morse.launch.load import start
 from morse.physics import UnstableError
 from morse.simulation.options import RunOptions
@@ -97,7 +98,7 @@ def main(argument: str) -> None:
             replay(Replay(**json.loads(argument)), file)
         except (MorseError, UnstableError, ValueError, OSError, SystemExit) as error:
             # a mistake in the scene, as `morse run` reports it
-            print(_report(error), file=sys.stderr)
+            echo(_report(error), err=True)
             sys.exit(1)
 
 

@@ -18,7 +18,7 @@ import traceback
 from typing import TYPE_CHECKING, Any, TextIO
 
 from morse.core.reports.folding import Folding
-from morse.core.reports.quoting import escaped
+from morse.core.reports.printing import echo, harmless_paragraph
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -74,24 +74,6 @@ def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text)} characters)"
 
 
-def _safe(text: str) -> str:
-    """Escape characters that control a terminal, and indent all lines but the first.
-
-    Names, requests and messages of clients appear in the log. None of them may look like a separate record.
-    """
-    if text.isprintable():
-        return text
-    first, *others = text.split("\n")
-    # tabs, which are used at the beginning of lines of the summary, are harmless
-    first = "\t".join(escaped(part) for part in first.split("\t"))
-    return "\n".join([first, *(_continued(line) for line in others)])
-
-
-def _continued(line: str) -> str:
-    line = escaped(line.replace("\t", "    "))
-    return line if not line or line[0] == " " else "  " + line
-
-
 class MorseFormatter(logging.Formatter):
     """Formats records for the log of the simulator.
 
@@ -127,11 +109,11 @@ class MorseFormatter(logging.Formatter):
 
     def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 (the name is logging's)
         """The text of a record, without its traceback."""
-        return _safe(_cut(super().formatMessage(record)))
+        return harmless_paragraph(_cut(super().formatMessage(record)))
 
     def formatException(self, ei: Any) -> str:  # noqa: N802
         """Return a traceback, escaped, because the message of the exception may contain anything."""
-        return "\n".join(_safe(_cut(part.rstrip("\n"))) for part in traceback.format_exception(*ei))
+        return "\n".join(harmless_paragraph(_cut(part.rstrip("\n"))) for part in traceback.format_exception(*ei))
 
     def _colored(self, level: int, text: str) -> str:
         if self.colors == "mono":
@@ -181,8 +163,7 @@ def is_lost() -> bool:
 def complain(text: str) -> None:
     """Write a line to the standard error, if it is open."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
-        sys.stderr.write(f"* {text}\n")
-        sys.stderr.flush()
+        echo(f"* {text}", err=True)
 
 
 _handler: _ConsoleHandler | None = None
@@ -221,6 +202,27 @@ def setup(colors: str | None = None, level: int | str | None = None) -> None:
     # keeps the output of scripts in order with the log, and escapes names that an ASCII terminal cannot show
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(line_buffering=True, errors="backslashreplace")
+
+
+class _PlainFormatter(logging.Formatter):
+    def __init__(self, mark: str = "") -> None:
+        super().__init__()
+        self._mark = mark
+
+    def format(self, record: logging.LogRecord) -> str:
+        return self._mark + harmless_paragraph(_cut(super().format(record)))
+
+
+if logging.lastResort is not None:
+    # prints the warnings of a program that has not set up a log
+    logging.lastResort.setFormatter(_PlainFormatter())
+
+
+def log_plainly(level: int = logging.INFO) -> None:
+    """Send the log of a program beside the simulator to the standard error, a line a message."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_PlainFormatter("* "))
+    logging.basicConfig(level=level, handlers=[handler])
 
 
 def set_level(component: str, level: str) -> None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.console import Console, Group
+from rich.console import Group
 from rich.live import Live
 from rich.table import Table
+
+from morse.core.reports.printing import console
 
 if TYPE_CHECKING:
     from morse.simulation.ticks.profile import Cost, Profile
@@ -53,7 +55,7 @@ class LiveProfile:
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
-        self._console = Console()
+        self._console = console()
         self._live: Live | None = None
         if self._console.is_terminal:
             self._live = Live(
