@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -12,6 +13,8 @@ import morse
 from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.assets.urdf import read_urdf
+from morse.builder import Environment, Pose, Robot
+from morse.mathutils import Vector
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
@@ -168,3 +171,86 @@ def test_expressions_of_a_file_cannot_take_all_time_or_memory(tmp_path, monkeypa
     (tmp_path / "r.urdf.xacro").write_text(ENDLESS % expression)
     with pytest.raises(AssetError, match=words):
         load(tmp_path / "r.urdf.xacro")
+
+
+def _glb(path: Path, size: tuple[float, float, float], transform: object = None) -> None:
+    scene = trimesh.Scene()
+    scene.add_geometry(trimesh.creation.box(size), transform=transform)
+    path.write_bytes(trimesh.exchange.gltf.export_glb(scene))
+
+
+@pytest.mark.parametrize("suffix", ["glb", "obj", "stl"])
+def test_meshes_of_all_formats_have_the_axes_of_the_link(tmp_path, suffix) -> None:
+    """A box of 0.2 x 0.4 x 1 m stands upright in each of them, also as glTF."""
+    box = trimesh.creation.box((0.2, 0.4, 1.0))
+    if suffix == "glb":
+        _glb(tmp_path / "box.glb", (0.2, 0.4, 1.0))
+    else:
+        box.export(tmp_path / f"box.{suffix}")
+    mesh = f'<geometry><mesh filename="box.{suffix}"/></geometry>'
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r"><link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" '
+        f'ixz="0" iyz="0"/></inertial><visual>{mesh}</visual><collision>{mesh}</collision></link></robot>'
+    )
+
+    def scene() -> None:
+        robot = Robot(str(tmp_path / "r.urdf"), name="r")
+        robot.append(Pose("pose"))
+        robot.translate(z=0.7)
+        Environment("empty")
+
+    with morse.load(scene) as simulation:
+        simulation.step(120)
+        assert simulation.r.pose.get()["z"] == pytest.approx(0.5, abs=2e-3)
+
+
+def test_rotations_within_a_gltf_file_apply(tmp_path) -> None:
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
+    _glb(tmp_path / "box.glb", (0.2, 0.4, 1.0), turn)
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="base"><visual><geometry><mesh filename="box.glb"/></geometry></visual></link>'
+        "</robot>"
+    )
+    (node,) = [node for node in load(tmp_path / "r.urdf").nodes() if node.mesh is not None]
+    corners = np.array([list(node.world_matrix() @ Vector(corner)) for corner in node.mesh.vertices.tolist()])
+    assert np.ptp(corners, axis=0) == pytest.approx([0.2, 1.0, 0.4], abs=1e-6)
+
+
+@pytest.mark.parametrize("mass", [None, 12.0])
+def test_a_robot_whose_file_has_no_masses_weighs_1_kg_by_volume(tmp_path, mass) -> None:
+    cube = '<link name="{}"><collision><geometry><box size="{} 1 1"/></geometry></collision></link>'
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r">{cube.format("a", 1)}{cube.format("b", 2)}<joint name="j" type="continuous">'
+        '<parent link="a"/><child link="b"/><origin xyz="0 0 2"/><axis xyz="0 1 0"/></joint></robot>'
+    )
+
+    def scene() -> None:
+        robot = Robot(str(tmp_path / "r.urdf"), name="r")
+        if mass is not None:
+            robot.set_mass(mass)
+        Environment("empty")
+
+    with morse.load(scene) as simulation:
+        model = simulation.context.world.model
+        masses = {model.body(i).name: model.body(i).mass[0] for i in range(1, model.nbody)}
+    heavy = sorted(value for value in masses.values() if value > 0.0)
+    assert heavy == pytest.approx([(mass or 1.0) / 3, (mass or 1.0) * 2 / 3], rel=1e-9)
+
+
+def test_a_robot_with_mass_and_without_collision_falls(tmp_path) -> None:
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="base"><inertial><mass value="3"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" '
+        'iyz="0"/></inertial><visual><geometry><box size="1 1 1"/></geometry></visual></link></robot>'
+    )
+
+    def scene() -> None:
+        robot = Robot(str(tmp_path / "r.urdf"), name="r")
+        robot.append(Pose("pose"))
+        robot.translate(z=50.0)
+        env = Environment("empty")
+        env.set_gravity(9.81)
+
+    with morse.load(scene) as simulation:
+        simulation.step(60)
+        # half g t², with the steps of the integrator
+        assert simulation.r.pose.get()["z"] == pytest.approx(50.0 - 0.5 * 9.81, abs=0.15)

@@ -227,3 +227,16 @@ env = Environment('empty')
     (line,) = (record.message for record in caplog.records if "has a component" in record.message)
     assert "scout.scan_001" in line
     assert "scout.sensors['scan']" in line
+
+
+WRIST = """<robot name="r"><link name="base"/><link name="hand"/><joint name="wrist" type="continuous">
+<parent link="base"/><child link="hand"/></joint>{}<sensor name="force" {}><parent joint="wrist"/></sensor></robot>"""
+OF_GAZEBO, TYPE = '<gazebo reference="wrist"><sensor name="force" type="force_torque"/></gazebo>', 'type="force_torque"'
+
+
+@pytest.mark.parametrize(("gazebo", "kind"), [(OF_GAZEBO, ""), (OF_GAZEBO, TYPE), ("", TYPE)])
+def test_a_sensor_of_a_joint_is_read_once_and_not_left_out(tmp_path, gazebo, kind) -> None:
+    (tmp_path / "r.urdf").write_text(WRIST.format(gazebo, kind))
+    library = read_urdf(tmp_path / "r.urdf")
+    assert [(sensor.name, sensor.link) for sensor in library.sensors] == [("force", "hand")]
+    assert library.warnings == []

@@ -25,19 +25,22 @@ from morse.system.regular_files import read_regular
 
 #: glTF models face +Z with +Y up; models of MORSE face +X with +Z up
 _FROM_GLTF = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-_GLTF = (".gltf", ".glb")
+GLTF_SUFFIXES = (".gltf", ".glb")
 #: largest number in a pose
 _FARTHEST = 1e9
 #: relative tolerance for parts of a matrix other than rotation and scale
 _SHEAR = 1e-3
 
 
-def read_meshes(path: str | Path) -> Library:
+def read_meshes(path: str | Path, *, keeps_axes: bool = False) -> Library:
     """Read a file.
 
     glTF models are rotated so that their front is along +X and their top along +Z. OBJ, STL and PLY files do not define
     front and top: their axes are kept, and their unit is the metre. COLLADA files define their unit; their axes are
     also kept, as in the viewers of ROS. Files that a model refers to are only read from its folder and below.
+
+    Args:
+        keeps_axes: whether the axes of glTF are kept as well.
 
     Raises:
         AssetError: it is broken, too large or empty, or has too many triangles.
@@ -54,7 +57,7 @@ def read_meshes(path: str | Path) -> Library:
         unit = collada_unit(path) if path.suffix.lower() == ".dae" else 1.0
         scene = _loaded(path, below)
         check_triangles(path, (len(getattr(part, "faces", ())) for part in scene.geometry.values()))
-        library = _Reading(path, scene).library()
+        library = _Reading(path, scene, keeps_axes=keeps_axes).library()
         for root in library.roots:
             root.location = [unit * value for value in root.location]
             root.scale = [unit * value for value in root.scale]
@@ -101,10 +104,10 @@ def _loaded(path: Path, below: Any) -> Any:
 class _Reading:
     """Converts the graph of a trimesh scene to nodes."""
 
-    def __init__(self, path: Path, scene: Any) -> None:
+    def __init__(self, path: Path, scene: Any, *, keeps_axes: bool) -> None:
         self._path, self._scene = path, scene
-        is_gltf = path.suffix.lower() in _GLTF
-        self._turn = _FROM_GLTF if is_gltf else np.eye(3)
+        is_gltf = path.suffix.lower() in GLTF_SUFFIXES
+        self._turn = _FROM_GLTF if is_gltf and not keeps_axes else np.eye(3)
         self._surfaces = Surfaces(self._turn, is_linear=is_gltf)
         self._names: set[str] = set()
         self._shears: list[str] = []

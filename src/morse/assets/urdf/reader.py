@@ -215,7 +215,8 @@ class _Reader:
     def _mesh(self, shape: Shape) -> list[Node]:
         """The nodes of a mesh file; if it cannot be read, an empty list and a warning."""
         try:
-            return mesh_nodes(find_near(shape.file, self.path), libraries=self._libraries)
+            # the makers of such files, and the viewers of ROS, do not turn glTF
+            return mesh_nodes(find_near(shape.file, self.path), libraries=self._libraries, keeps_axes=True)
         except (AssetError, FileRefusedError, MeshError, OSError) as error:
             if shape.file not in self._warnings:
                 self._warnings.add(shape.file)

@@ -89,10 +89,17 @@ def declared_sensors(
 
 def _elements(robot: ElementTree.Element) -> Iterator[tuple[ElementTree.Element, str]]:
     """The elements of sensors, and the links that carry them."""
+    joints = {joint.get("name"): joint.find("child") for joint in robot.findall("joint")}
+    of_gazebo = {element.get("name") for element in robot.iterfind("gazebo/sensor")}
     for element in robot.findall("sensor"):
         parent = element.find("parent")
-        yield element, "" if parent is None else parent.get("link", "")
-    joints = {joint.get("name"): joint.find("child") for joint in robot.findall("joint")}
+        link = "" if parent is None else parent.get("link", "")
+        if parent is not None and not link and parent.get("joint"):
+            if element.get("name") in of_gazebo:
+                continue  # the element of Gazebo says more about it
+            child = joints.get(parent.get("joint"))
+            link = "" if child is None else child.get("link", "")
+        yield element, link
     for gazebo in robot.findall("gazebo"):
         for element in gazebo.findall("sensor"):
             place = gazebo.get("reference", "")

@@ -19,7 +19,7 @@ from morse.scene.bone_frames import BonePose, start_frames, start_value
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 #: smallest mass, kg, and moment of inertia, kg m^2, of a link that a joint moves
 _LIGHTEST, _SMALLEST = 1e-3, 1e-6
+_NOWHERE, _UPRIGHT = np.zeros(3), np.eye(3)
 _NOTHING = JointDynamics()
 _HINGE, _SLIDE, _BALL = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_BALL
 _TYPES = {JointKind.REVOLUTE: _HINGE, JointKind.PRISMATIC: _SLIDE}
@@ -99,8 +100,9 @@ class Group:
 class Articulated:
     """The joints of all armatures of a scene whose joints the physics moves."""
 
-    def __init__(self, spec: mujoco.MjSpec) -> None:
-        self._spec = spec
+    def __init__(self, spec: mujoco.MjSpec, frames: Sequence[Frame]) -> None:
+        self._spec, self._frames = spec, frames
+        self._shares: dict[Frame, float] = {}
         self._groups: dict[Frame, Group] = {}
         self._made: list[AddedJoint] = []
         #: poses of the bones at the start, by armature: all frames of an armature need them
@@ -135,7 +137,12 @@ class Articulated:
                 )
             )
         if not any(mass for mass, _, _ in parts) and not _has_masses(frame):
-            parts = [mass_of(shape, *relative_pose(node, pose)) for node in frame.solid for shape in node.shapes or ()]
+            share = self._share_of_volume(frame)
+            parts = [
+                (share * m, c, share * i)
+                for node in frame.solid
+                for m, c, i in (mass_of(shape, *relative_pose(node, pose)) for shape in node.shapes or ())
+            ]
         mass = sum((part[0] for part in parts), 0.0)
         if mass < _LIGHTEST:
             mass, centre = _LIGHTEST, np.zeros(3)
@@ -157,6 +164,17 @@ class Articulated:
         place = np.array(pose.position) + matmul(as_array(pose.rotation), centre)
         self._groups[frame] = Group(frame, body, float(mass), place, float(np.max(moments)))
         return True
+
+    def _share_of_volume(self, frame: Frame) -> float:
+        """The factor between the mass of a shape and that of water: a robot without masses in its file has its own."""
+        root = root_of(frame)
+        if root.node.articulation is None:
+            return 1.0
+        if root not in self._shares:
+            solid = (node for one in self._frames if root_of(one) is root for node in one.solid)
+            total = sum(mass_of(shape, _NOWHERE, _UPRIGHT)[0] for node in solid for shape in node.shapes or ())
+            self._shares[root] = root.node.body.mass / total if total else 1.0
+        return self._shares[root]
 
     # -- joints ----------------------------------------------------------------------------
 

@@ -36,6 +36,8 @@ from morse.scene.frames import RigidFrame, rigid_frame
 from morse.scene.mjcf import DEFAULT_CONTACT
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.core.world import Body
@@ -130,7 +132,7 @@ def _compile(scene: Scene) -> Compiled:
         set_ground(spec, next((model.ground for model in models if model.ground != DEFAULT_CONTACT), DEFAULT_CONTACT))
     # shown only by the viewer of MuJoCo
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
-    builder = _Builder(spec, has_wheels=any(frame.motion is Motion.HINGE for frame in frames))
+    builder = _Builder(spec, frames)
     builder.physics_of_1_4, builder.as_in_files = settings.physics_of_1_4, as_in_files
     slots = [builder.add(frame) for frame in frames]
     if as_in_files:
@@ -195,10 +197,10 @@ def _set_options(spec: mujoco.MjSpec, gravity: float, step: float) -> None:
 
 
 class _Builder:
-    def __init__(self, spec: mujoco.MjSpec, *, has_wheels: bool) -> None:
+    def __init__(self, spec: mujoco.MjSpec, frames: Sequence[Frame]) -> None:
         self._spec = spec
-        self._has_wheels = has_wheels
-        self.articulated = Articulated(spec)
+        self._has_wheels = any(frame.motion is Motion.HINGE for frame in frames)
+        self.articulated = Articulated(spec, frames)
         self.planes = PlaneBuilder()
         self._bodies: dict[Frame, mujoco.MjsBody] = {}
         self._geoms: list[tuple[mujoco.MjsGeom, Node, Slot]] = []

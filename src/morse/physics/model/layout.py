@@ -177,8 +177,13 @@ def _motion(node: Node, is_robot: bool) -> Motion:
 
 
 def _is_free_in_file(node: Node) -> bool:
-    """Whether a file declares a free joint; in MJCF, what has no shapes that collide falls as well."""
-    return node.articulation is not None and node.articulation.model is not None and bool(node.articulation.model.base)
+    """Whether a file declares a body that moves: of a URDF or SDF file by its masses, of an MJCF file by a free joint.
+
+    What has no shapes that collide falls as well.
+    """
+    if node.articulation is None:
+        return False
+    return bool(node.articulation.model.base if node.articulation.model is not None else node.articulation.mass)
 
 
 def _is_joined_in_file(node: Node) -> bool:
