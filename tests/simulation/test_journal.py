@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -12,9 +13,14 @@ from morse.builder import ATRV, Environment, Morsy, MotionVW, Pose, Waypoint
 from morse.core.exceptions import MorseError
 from morse.core.journal import CANCEL, COMMAND, OUTCOME, RESET, RESTORE, SERVICE, SPAWN, Entry
 from morse.core.state import NoReferences, StateError, Writer
+from morse.recording.inputs import TOPIC, as_message
+from morse.recording.mcap.reader import McapFile
+from morse.recording.mcap.records import Message
+from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
 from morse.simulation import population
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, entry_to_bytes
+from morse.simulation.recordings.timeline import Timeline
 from morse.verification.resimulation import resimulate
 
 if TYPE_CHECKING:
@@ -186,18 +192,22 @@ def test_what_a_server_refused_is_refused_again_without_the_server(
 # -- recordings that do not fit --------------------------------------------------------------
 
 
+def happened(sim: Simulation) -> None:
+    sim.morsy.motion.publish({"v": 0.5})
+    sim.step(4)
+    sim.spawn("guest", "Morsy", [3.0, 0.0, 0.2])
+    sim.morsy.motion.set_speed(0.2, 0.0)
+    sim.step(3)
+    sim.restart()
+    sim.step(2)
+    sim.robot.goto.goto(3.0, 1.0, 0.0, 0.3, 1.0)
+    sim.morsy.motion.publish({"v": 0.1})
+    sim.step(3)
+
+
 def recorded() -> InputRecording:
     with morse.load(scene) as sim, sim.record_inputs() as inputs:
-        sim.morsy.motion.publish({"v": 0.5})
-        sim.step(4)
-        sim.spawn("guest", "Morsy", [3.0, 0.0, 0.2])
-        sim.morsy.motion.set_speed(0.2, 0.0)
-        sim.step(3)
-        sim.restart()
-        sim.step(2)
-        sim.robot.goto.goto(3.0, 1.0, 0.0, 0.3, 1.0)
-        sim.morsy.motion.publish({"v": 0.1})
-        sim.step(3)
+        happened(sim)
     return inputs
 
 
@@ -260,6 +270,56 @@ def test_a_replay_stops_with_the_entry_that_does_not_fit(misfit: str) -> None:
     with morse.load(scene) as sim, pytest.raises(StateError, match=message):
         sim.replay(change(recorded()), lambda: ticks.append(sim.ticks))
     assert len(ticks) < 20
+
+
+@pytest.mark.parametrize("misfit", [name for name in MISFITS if name != "a restored state"])
+def test_a_recording_that_does_not_fit_is_different_and_names_the_entry(misfit: str, tmp_path: Path) -> None:
+    """The same entries in a file: they are replaced, and the file is no larger."""
+    script = tmp_path / "scene.py"
+    script.write_text(SCRIPT)
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        happened(sim)
+    change, message = MISFITS[misfit]
+    with McapFile(tmp_path / "run.mcap") as file, (tmp_path / "forged.mcap").open("wb", buffering=0) as target:
+        writer = McapWriter(target)
+        for name, table in file.metadata.items():
+            writer.metadata(name, table)
+        for name in file.attachments:
+            writer.attachment(name, "", file.attachment(name) or b"")
+        for channel in file.channels.values():
+            writer.channel(channel.topic, writer.schema(channel.type, channel.definition), {})
+        (inputs,) = [channel.number for channel in file.channels.values() if channel.topic == TOPIC]
+        others = [one for one in file if one.channel != inputs]
+        entries = change(recorded()).entries
+        writer.chunk(
+            [
+                *others,
+                *(
+                    Message(inputs, entry.tick & 0xFFFF, order, order, as_message(entry, entry_to_bytes, pytest.fail))
+                    for order, entry in enumerate(entries)
+                ),
+            ]
+        )
+        writer.finish()
+    with Recording(tmp_path / "forged.mcap") as recording:
+        outcome = resimulate(recording, trust=True)
+    assert outcome.departure is not None
+    assert re.search(message, f"{outcome.departure.what}: {outcome.departure.how}")
+    assert outcome.ticks < 20
+
+
+def test_a_page_of_inputs_that_do_not_fit_ends_there(caplog: pytest.LogCaptureFixture) -> None:
+    with morse.load(scene) as sim:
+        timeline = Timeline(sim, changed(recorded(), COMMAND, 1, name="morsy.wings"), 12)
+        for _ in range(20):
+            if not timeline.at_end:
+                timeline.forward()
+        assert timeline.position == timeline.length == 9
+        # before that, it can be gone through
+        while not timeline.approach(3):
+            pass
+        assert sim.ticks == 3
+    assert "no active actuator of that name" in caplog.text
 
 
 def test_a_recorded_refusal_is_not_tried() -> None:

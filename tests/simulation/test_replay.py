@@ -129,6 +129,27 @@ def test_a_recording_survives_in_a_file(tmp_path: Path) -> None:
     assert ticks == [*range(1, 31), *range(21, 31)]
 
 
+@pytest.mark.parametrize(
+    "before",
+    [
+        lambda sim: sim.spawn("guest", "Morsy", [-3.0, 0.0, 0.2]),
+        lambda sim: sim.robot.motion.set_speed(0.4, 0.1),
+        lambda sim: sim.rpc("simulation", "set_object_position", "morsy", [3.0, 3.0, 0.2]),
+        lambda sim: (sim.set_controls(frozenset(["ArrowUp"])), sim.restart()),
+    ],
+    ids=["spawned", "called", "moved", "keys"],
+)
+def test_a_recording_from_tick_0_on_begins_with_what_happened_before(before: Any) -> None:
+    with morse.load(scene, seed=2) as sim:
+        before(sim)
+        with sim.record_inputs() as recording:
+            sim.step(8)
+        wanted = sim.state_hash()
+    with morse.load(scene) as again:
+        again.replay(recording)
+        assert again.state_hash() == wanted
+
+
 def test_a_journal_without_readers_is_not_kept() -> None:
     with morse.load(scene) as sim:
         recorder = sim.record_inputs()

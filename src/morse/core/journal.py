@@ -101,6 +101,7 @@ class Input:
         if self._kind in REBIRTHS:
             journal.rebirths.remove(self)
             journal.life += 1
+            journal.is_blank = error is None and self._kind == RESET
         if error is not None and self._kind in WHOLE:
             # it is not repeated, but they are
             for one in self.withheld:
@@ -116,6 +117,7 @@ class Journal:
         sinks: callbacks that receive each `Entry` in the simulation thread. Without sinks no entries are created.
         life: number of restarts of the simulation, and of restored states, so far; also of those that were refused.
         rebirths: the restarts and restored states that take effect now.
+        is_blank: whether there was no input since the launch or the last restart, also without sinks.
     """
 
     def __init__(self, clock: Clock, guard: Guard) -> None:
@@ -123,6 +125,7 @@ class Journal:
         self.sinks: list[Callable[[Entry], object]] = []
         self.life = 0
         self.rebirths: list[Input] = []
+        self.is_blank = True
         self._next = 0
 
     def note(self, kind: str, name: str, content: object, until: float | None = None) -> int | None:
@@ -131,6 +134,7 @@ class Journal:
         Returns:
             The number of the entry; None if there is none: nobody reads it, or it happens within a restart.
         """
+        self.is_blank = False
         if not self.sinks:
             return None
         if self.rebirths and kind not in (COMMAND, EDIT, OUTCOME):

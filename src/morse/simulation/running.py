@@ -94,6 +94,10 @@ class Running(Protocol):
         """Whether `run` is paused."""
 
     @property
+    def is_new(self) -> bool:
+        """Whether nothing has happened since the launch or a restart."""
+
+    @property
     def journal(self) -> Journal:
         """The journal of all input from outside."""
 

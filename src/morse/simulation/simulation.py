@@ -278,6 +278,11 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         """All input from outside."""
         return self.context.journal
 
+    @property
+    def is_new(self) -> bool:
+        """Whether nothing has happened since the launch or a restart: its state is that of a launch with its seed."""
+        return not self.clock.tick and self.journal.is_blank and self.context.controls == Controls()
+
     def set_controls(self, keys: frozenset[str], axes: tuple[float, ...] = (), robot: str | None = None) -> None:
         """Set keyboard and gamepad input from the next tick on; see `morse.core.context.Controls`."""
         if (keys, axes, robot) != self.context.controls:

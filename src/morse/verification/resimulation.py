@@ -117,7 +117,9 @@ def repeat(recording: Recording, simulation: Simulation, record: str | None = No
     try:
         simulation.replay(inputs, results=not elsewhere)
     except ReplayError as error:
-        misfit = comparison.departure or Departure(error.entry.tick, shown_entry(error.entry), error.how)
+        misfit = Departure(error.entry.tick, shown_entry(error.entry), error.how)
+        if comparison.departure is not None and comparison.departure.tick <= misfit.tick:
+            misfit = comparison.departure
         return Outcome(misfit, ticks.count, comparison.count, False, elsewhere=elsewhere)
     except UnstableError as error:
         return Outcome(comparison.departure, ticks.count, comparison.count, False, str(error), elsewhere=elsewhere)

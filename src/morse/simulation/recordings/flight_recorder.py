@@ -97,7 +97,7 @@ class FlightRecorder(Observer):
         self._full = self._anew = False
         self._began = simulation.ticks
         try:
-            start = simulation.silent_state() if simulation.ticks else None
+            start = None if simulation.is_new else simulation.silent_state()
         except StateError as error:
             logger.debug("the last seconds before a failure cannot be saved: %s", error)
             self.close()

@@ -160,7 +160,7 @@ class InputRecorder:
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
-        start = simulation.save() if simulation.ticks else None
+        start = None if simulation.is_new else simulation.save()
         self.recording = InputRecording(simulation.seed(), start, life=simulation.journal.life)
         simulation.journal.sinks.append(self._take)
 

@@ -152,7 +152,7 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
     if isinstance(project, ProjectImports):
         for module, file in sorted(project.sources().items()):
             files |= _source(f"{MODULES}{module}.py", file)
-    if simulation.ticks:
+    if not simulation.is_new:
         files[STATE] = simulation.silent_state().to_bytes()
     population = simulation.population
     scene = population.scene_at_launch()
