@@ -11,13 +11,17 @@ import morse
 
 pytestmark = pytest.mark.long
 
+#: a chair of the kitchen stands so under its desk in MORSE 1.4
+AS_IN_1_4 = "part slowly: 'Desk_Rest.001' and 'Chair1' by 0.069 m"
 ENVIRONMENTS = Path(morse.__file__).parent / "data" / "environments"
 
 
-def warnings_of(tmp_path: Path, caplog: pytest.LogCaptureFixture, text: str) -> list[str]:
+def warnings_of(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, text: str, *, level: int = logging.WARNING
+) -> list[str]:
     script = tmp_path / "scene.py"
     script.write_text("from morse.builder import *\n" + text)
-    with caplog.at_level(logging.WARNING):
+    with caplog.at_level(level):
         morse.load(script).close()
     return [record.getMessage() for record in caplog.records if "overlap at the start" in record.getMessage()]
 
@@ -59,4 +63,6 @@ def test_robots_at_their_own_place_overlap_with_nothing(
 def test_our_worlds_overlap_with_nothing(tmp_path: Path, caplog: pytest.LogCaptureFixture, path: Path) -> None:
     name = path.relative_to(ENVIRONMENTS).with_suffix("").as_posix()
     text = f"robot = FakeRobot()\nrobot.translate(z=99)\nenv = Environment('{name}')"
-    assert warnings_of(tmp_path, caplog, text) == []
+    # also objects that lie in what is fixed, such as crates in hills
+    messages = [one for one in warnings_of(tmp_path, caplog, text, level=logging.INFO) if AS_IN_1_4 not in one]
+    assert messages == []

@@ -33,13 +33,23 @@ def town_ground(at: Triple, level: float, keep: Sequence[Triple]) -> list[Triple
     return [p for p in below if all(np.hypot(p[0] - q[0], p[1] - q[1]) > 7 for q in keep)]
 
 
-def ground(level: Sequence[Triple], dip: float, rise: float, seed: int) -> Terrain:
-    """Land of 121 x 148 m, ``dip`` to ``rise`` high, that reaches the given heights."""
+def ground(
+    level: Sequence[Triple], dip: float, rise: float, seed: int, feet: Sequence[tuple[Triple, float]] = ()
+) -> Terrain:
+    """Land of 121 x 148 m, ``dip`` to ``rise`` high, that reaches the given heights.
+
+    Nowhere below the ``feet``, positions with a radius, it is higher than these: what stands there does not overlap it.
+    """
     terrain = Terrain((-60.458, -74.524), (60.542, 73.476), rise, level, seed)
     picture = packed("grass.jpg", speckle(512, "#6c9a4b", "#93b866", 61, coarse=4.0))
     paint = material("Grass", "#83ac5b", 0.95, image=picture)
     land = terrain.part(CELL, paint, 7.0).moved(-GROUND_AT[0], -GROUND_AT[1])
     heights = land.vertices[:, 2]
+    for (x, y, z), radius in feet:
+        # the corners of the squares that the foot touches
+        apart = np.abs(land.vertices[:, :2] + GROUND_AT[:2] - (x, y))
+        below = (apart < CELL + radius).all(axis=1)
+        heights[below] = np.minimum(heights[below], z)
     heights[np.argmax(heights)] = rise
     away = np.where(heights == 0.0, np.hypot(land.vertices[:, 0], land.vertices[:, 1]), 0.0)
     heights[np.argmax(away)] = dip  # one hollow, far from everything

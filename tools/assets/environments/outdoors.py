@@ -134,6 +134,9 @@ COPIES = {
 #: the visible meshes of the instances of crates, which are bodies
 CRATES = {"small_crate": "closed", "large_crate": "big", "transport_box": "open"}
 
+#: half of the diagonal of the largest crate, m
+FOOT = 2.3
+
 
 def build() -> None:
     sky("#a9cfe8")
@@ -145,7 +148,8 @@ def build() -> None:
         for _, at, _ in copies
         if stem not in CRATES or at[2] < 0.5
     ]
-    land = ground([*rooted, *town_ground(TOWN, 2.42, rooted)], dip=-0.065, rise=4.145, seed=9)
+    feet = [(at, FOOT) for stem in CRATES for _, at, _ in COPIES[stem] if at[2] < 0.5]
+    land = ground([*rooted, *town_ground(TOWN, 2.42, rooted)], dip=-0.065, rise=4.145, seed=9, feet=feet)
     town(land, TOWN, (42.1, 67.9, 11.2), (0, 0, 1.22), [at for _, at, _ in COPIES["tree_brown_2"]])
     collections = {**originals(), **crates()}
     for stem, copies in COPIES.items():
