@@ -250,6 +250,40 @@ def test_a_fault_counts_after_a_restart_and_while_paused(scene: Callable[..., Pa
     assert "robot.a failed and is deactivated" in line
 
 
+EDITED = """
+import math, sys
+from pathlib import Path
+from morse.core.reports import log
+from morse.launch.run import run
+from morse.simulation.options import RunOptions
+
+script = Path(sys.argv[1])
+
+def ready(simulation):
+    def edit():
+        if simulation.ticks == 20:
+            script.write_text(script.read_text().replace("Later", "Counter"))
+            simulation.start_anew()
+    simulation.before_physics.append(edit)
+
+log.setup()
+options = RunOptions(script=str(script), view="none", sockets=False, watch=True, speed=math.inf, duration=0.5)
+sys.exit(run(options, ready))
+"""
+
+
+def test_a_fault_counts_after_the_scene_was_edited(scene: Callable[..., Path], tmp_path: Path) -> None:
+    path = scene("a = Later(); robot.append(a)")
+    (tmp_path / "edited.py").write_text(EDITED)
+    done = subprocess.run(
+        [sys.executable, "edited.py", str(path)], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
+    )
+    outcome = Outcome(done.returncode, done.stdout)
+    assert outcome.status == FAULTS, outcome.text + done.stderr
+    assert "read again: " in outcome.text
+    assert len(outcome.named()) == 1, "that of the scene before"
+
+
 @pytest.mark.parametrize("command", ["verify", "render"])
 def test_other_commands(scene: Callable[..., Path], tmp_path: Path, command: str) -> None:
     options = ("--ticks", "20") if command == "verify" else ("--size", "32x24", "-o", tmp_path / "picture.png")
