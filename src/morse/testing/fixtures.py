@@ -184,7 +184,7 @@ class _Beside:
             [*morse_command(), *map(str, words)],
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            text=True,
+            encoding="utf-8",
             errors="replace",
             timeout=_LONGEST,
             check=False,
