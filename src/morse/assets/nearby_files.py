@@ -209,6 +209,10 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, Owners]]:
     if scheme == "file":
         yield Path(rest), ()
         yield model.parent / rest.lstrip("/"), ()
+        # Gazebo searches it in its folders of resources, where models are, or a folder of models is
+        for folder in [*_listed(), *search.resource_dirs()]:
+            yield folder / rest.lstrip("/"), ()
+        yield from _candidates(f"model://{rest.lstrip('/').removeprefix('models/')}", model)
         return
     package, _, inside = rest.partition("/")
     if not package or package in (".", ".."):

@@ -152,7 +152,7 @@ def global_options(
     if version and verbose:
         from morse.cli.doctor import version_lines
 
-        typer.echo("\n".join(version_lines()))
+        echo("\n".join(version_lines()))
         raise typer.Exit
     if version:
         echo(f"morse {__version__}")

@@ -7,9 +7,8 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import typer
-
 from morse.core.classes.plugins import entry_points
+from morse.core.reports.printing import echo
 from morse.middleware.registry import Middleware
 from morse.version import __version__
 
@@ -96,5 +95,5 @@ def command() -> int:
     Plug-ins are those of MORSE, of installed packages and of the project in this folder. The status is 1 if one of them
     cannot be loaded. `morse check` examines the installation itself.
     """
-    typer.echo("\n".join(version_lines()))
+    echo("\n".join(version_lines()))
     return 1 if any(plugin.is_broken for plugin in plugins()) else 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -458,3 +459,65 @@ def test_files_outside_of_the_model_are_not_read(tmp_path) -> None:
     library = load(folder / "model.sdf")
     assert [node for node in library.nodes() if node.mesh is not None] == []
     assert "outside of the package of the model" in library.warnings[0]
+
+
+TABLE = """<model name="table"><static>1</static><link name="l"><collision name="c"><geometry><mesh><uri>{}</uri></mesh>
+</geometry></collision></link></model>"""
+BOX = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+def has_mesh(library) -> bool:
+    return any(node.mesh is not None for node in library.nodes())
+
+
+@pytest.mark.parametrize(
+    "place", ["beside", "above", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"]
+)
+@pytest.mark.parametrize("inside", ["models/table/meshes/a.obj", "table/meshes/a.obj"])
+def test_files_below_the_resource_paths_of_gazebo_are_found(tmp_path, monkeypatch, place, inside) -> None:
+    folder = tmp_path / "ws" / "worlds"
+    folder.mkdir(parents=True)
+    base = {"beside": folder, "above": tmp_path / "ws"}.get(place, tmp_path / "resources")
+    if place.isupper():
+        monkeypatch.setenv(place, f"{tmp_path / 'nothing'}{os.pathsep}{base}")
+    (base / inside).parent.mkdir(parents=True)
+    (base / inside).write_text(BOX)
+    monkeypatch.chdir(tmp_path)
+    library = load(world(folder, TABLE.format(f"file://{inside}")))
+    assert library.warnings == []
+    assert has_mesh(library)
+
+
+def test_files_with_a_scheme_are_read_from_nowhere_else(tmp_path, monkeypatch) -> None:
+    (tmp_path / "secret").mkdir()
+    (tmp_path / "secret" / "a.obj").write_text(BOX)
+    folder = tmp_path / "a" / "ws" / "worlds"
+    folder.mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    for uri in ("file://../../../secret/a.obj", f"file://{tmp_path}/secret/a.obj"):
+        assert not has_mesh(load(world(folder, TABLE.format(uri))))
+
+
+@pytest.mark.parametrize("cache", [".gz/fuel", ".ignition/fuel"])
+def test_what_gazebo_has_downloaded_is_read_from_its_cache(tmp_path, monkeypatch, cache) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
+    address = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Old Table"
+    for version, size in ((2, 1), (10, 3)):
+        mesh = tmp_path / "home" / cache / f"fuel.gazebosim.org/openrobotics/models/old table/{version}/meshes/a.obj"
+        mesh.parent.mkdir(parents=True)
+        mesh.write_text(BOX.replace("1", str(size), 1).replace("v 1", f"v {size}", 1))
+    (tmp_path / "home" / cache / "secret.obj").write_text(BOX)
+    folder = tmp_path / "worlds"
+    folder.mkdir()
+    for uri in (f"{address}/2/files/meshes/a.obj", f"{address.replace(' ', '%20')}/tip/files/meshes/a.obj"):
+        library = load(world(folder, TABLE.format(uri)))
+        assert library.warnings == []
+        assert has_mesh(library)
+    for up in ("..", "%2e%2e"):
+        uri = f"{address}/2/files/{'/'.join([up] * 5)}/secret.obj"
+        assert not has_mesh(load(world(folder, TABLE.format(uri))))
+    tree = "https://fuel.gazebosim.org/1.0/a/models/Tree"
+    twice = "".join(TABLE.format(f"{tree}/1/files/meshes/{i}.obj") for i in range(2))
+    (warning,) = load(world(folder, twice.replace('name="table"', 'name="other"', 1))).warnings
+    assert f"gz fuel download -u {tree}`" in warning

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from morse.assets import solids
 from morse.assets.errors import AssetError
 from morse.assets.gazebo.values import ValueMistakeError, boolean, number, pose_of, text_of
-from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.nearby_files import FileRefusedError
+from morse.assets.sdf.files import find_file
 from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix
 from morse.mathutils.rotations import nine
@@ -78,7 +79,7 @@ def _skin(element: Element, path: Path, libraries: dict[Path, Library], includes
     try:
         if not file:
             raise FileRefusedError("it has no skin")
-        return mesh_nodes(find_near(file, path), libraries=libraries)
+        return mesh_nodes(find_file(file, path), libraries=libraries)
     except (AssetError, FileRefusedError, MeshError, OSError) as error:
         reason = error.message if isinstance(error, AssetError) else str(error)
         includes.warn(f"the actor '{name:.80}' is shown as a capsule: {file:.100} {reason}")

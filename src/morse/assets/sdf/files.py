@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import unquote
 
 from morse.assets.errors import AssetError
 from morse.assets.model_folders import CONFIG, model_file
@@ -14,7 +16,13 @@ from morse.assets.xml_files import read_xml
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
+#: below the home folder, where Gazebo keeps what it has downloaded
+_CACHES = ((".gz", "fuel"), (".ignition", "fuel"))
 _ROOTS = ("sdf", "gazebo")
+
+
+class NotDownloadedError(FileRefusedError):
+    """A file is on a server; the message names the model, and is the same for all of its files."""
 
 
 def find_model(uri: str, model: Path) -> Path:
@@ -47,22 +55,60 @@ def find_model(uri: str, model: Path) -> Path:
 
 def _downloaded(uri: str, model: Path) -> Path:
     """A model of a server of which the user has a copy, in the cache of Gazebo or in a folder of its name."""
-    parts = uri.rstrip("/").split("/")
-    name = parts[-2] if parts[-1].isdigit() or parts[-1] == "tip" else parts[-1]
-    if "models" in parts[:-1]:
-        index = parts.index("models")
-        owner, name = parts[index - 1], parts[index + 1]
-        for folder in (Path.home() / ".gz" / "fuel", Path.home() / ".ignition" / "fuel"):
-            versions = folder / parts[2] / owner.lower() / "models" / name.lower().replace("%20", " ")
-            for version in sorted(versions.glob("*"), key=lambda one: (len(one.name), one.name), reverse=True)[:1]:
-                if (file := model_file(version)) is not None:
-                    return file
+    name, page, versions, _ = _of_server(uri)
+    for version in versions:
+        if (file := model_file(version)) is not None:
+            return file
     try:
         return find_model(f"model://{name}", model)
     except FileRefusedError:
-        raise FileRefusedError(
-            f"nothing is downloaded: put the model into a folder '{name:.80}' in one of GZ_SIM_RESOURCE_PATH"
-        ) from None
+        raise _not_downloaded(name, page) from None
+
+
+def find_file(uri: str, model: Path) -> Path:
+    """Return the file that a mesh or a picture is read from; one of a server from the cache of Gazebo.
+
+    Raises:
+        FileRefusedError: it does not exist, or must not be read.
+    """
+    if not uri.startswith(("http://", "https://")):
+        return find_near(uri, model)
+    name, page, versions, inside = _of_server(uri)
+    for version in versions:
+        file = (version / inside).resolve()
+        if inside and file.is_file() and file.is_relative_to(version.resolve()):
+            return file
+    with contextlib.suppress(FileRefusedError):
+        return find_near(f"model://{name}/{inside}", model)
+    raise _not_downloaded(name, page)
+
+
+def _of_server(uri: str) -> tuple[str, str, list[Path], str]:
+    """The name of a model on a server, its address, the copies in the caches of Gazebo, and a file."""
+    parts = [unquote(part) for part in uri.rstrip("/").split("/")]
+    if "models" not in parts[3:-1]:
+        return (parts[-2] if parts[-1].isdigit() or parts[-1] == "tip" else parts[-1]), "", [], ""
+    index = parts.index("models", 3)
+    name, page = parts[index + 1], "/".join(uri.split("/")[: index + 2])
+    inside = "/".join(parts[parts.index("files") + 1 :]) if "files" in parts[index:] else ""
+    versions: list[Path] = []
+    place = (parts[2], parts[index - 1].lower(), "models", name.lower())
+    if all(part not in ("", ".", "..") and os.sep not in part and "\0" not in part for part in place):
+        for cache in _CACHES:
+            folder = Path.home().joinpath(*cache, *place)
+            found = [one for one in folder.glob("*") if one.name.isdigit() and one.is_dir()]
+            versions += sorted(found, key=lambda one: int(one.name[:9]), reverse=True)
+    wanted = parts[index + 2] if len(parts) > index + 2 else ""
+    versions.sort(key=lambda one: one.name != wanted)
+    return name, page, versions, inside
+
+
+def _not_downloaded(name: str, page: str) -> NotDownloadedError:
+    fetch = f"fetch it once with `gz fuel download -u {page:.200}`, or " if page else ""
+    return NotDownloadedError(
+        f"the model '{name:.80}' is not on this machine, and nothing is downloaded: {fetch}put it into a folder "
+        f"'{name:.80}' in one of GZ_SIM_RESOURCE_PATH"
+    )
 
 
 def read_root(path: Path) -> Element:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from morse.assets import solids
 from morse.assets.errors import AssetError
 from morse.assets.gazebo.values import ValueMistakeError, boolean, number, text_of, vector
-from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.nearby_files import FileRefusedError
+from morse.assets.sdf.files import NotDownloadedError, find_file
 from morse.assets.sdf.heights import height_node
 from morse.assets.sdf.polylines import extruded
 from morse.assets.sdf.surfaces import settings_of
@@ -75,6 +76,9 @@ class Geometry:
             return None
         try:
             node = self._shape(shape, path, name, is_solid=is_solid, is_static=is_static)
+        except NotDownloadedError as error:
+            self._warn(str(error))
+            return None
         except (AssetError, FileRefusedError, MeshError, OSError, ValueMistakeError) as error:
             reason = error.message if isinstance(error, AssetError) else str(error)
             what = text_of(shape, "uri") or name
@@ -146,13 +150,11 @@ class Geometry:
         uri = text_of(shape, "uri")
         if not uri:
             raise ValueMistakeError("<mesh> has no <uri>")
-        if uri.startswith(("http://", "https://")):
-            raise FileRefusedError("nothing is downloaded")
         scale = vector(shape, "scale", (1.0, 1.0, 1.0))
         if not all(scale):
             raise ValueMistakeError("its scale is 0")
         node = Node(f"{name}_mesh", source_name=f"{name}_mesh", scale=list(scale))
-        for part in mesh_nodes(find_near(uri, path), libraries=self._libraries):
+        for part in mesh_nodes(find_file(uri, path), libraries=self._libraries):
             node.attach(part)
         submesh = shape.find("submesh")
         if submesh is not None:

@@ -9,7 +9,7 @@ import numpy as np
 from morse.assets.gazebo.values import ValueMistakeError, text_of, vector
 from morse.assets.meshfiles.pictures import usable_picture
 from morse.assets.mjcf.heights import height_mesh
-from morse.assets.nearby_files import find_near
+from morse.assets.sdf.files import find_file
 from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.scene import CollisionShape, Material, Node, NodeKind, ShapeKind
 from morse.system.pictures import opened
@@ -39,7 +39,7 @@ def height_node(element: Element, path: Path, name: str, materials: Materials, *
     size, place = vector(element, "size", (1.0, 1.0, 1.0)), vector(element, "pos", (0.0, 0.0, 0.0))
     if min(size) <= 0.0:
         raise ValueMistakeError(f"its size is {text_of(element, 'size')[:60]!r}, expected positive numbers")
-    heights = _heights(find_near(text_of(element, "uri"), path)) * size[2]
+    heights = _heights(find_file(text_of(element, "uri"), path)) * size[2]
     node = Node(f"{name}_shape", NodeKind.MESH, source_name=f"{name}_shape", location=list(place))
     half = (0.5 * size[0], 0.5 * size[1], max(float(heights.max()), 1e-3), _THICK)
     node.mesh = height_mesh(node.name, half, heights)

@@ -12,7 +12,7 @@ from morse.assets.errors import AssetError
 from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text_of
 from morse.assets.model_folders import version_of
 from morse.assets.nearby_files import FileRefusedError
-from morse.assets.sdf.files import find_model, read_root
+from morse.assets.sdf.files import NotDownloadedError, find_model, read_root
 from morse.assets.sdf.scope import MODEL, Part, Scope
 from morse.assets.sdf.usual import usual_model
 from morse.assets.triangle_limit import check_parts
@@ -152,7 +152,9 @@ class Includes:
             root, file = self._file(uri, path)
         except (FileRefusedError, OSError) as error:
             reason = str(error) if isinstance(error, FileRefusedError) else error.strerror
-            self.warn(f"the model '{uri:.120}' is left out: {reason}")
+            self.warn(
+                str(error) if isinstance(error, NotDownloadedError) else f"the model '{uri:.120}' is left out: {reason}"
+            )
             return
         except AssetError as error:
             if error.path == self.path:

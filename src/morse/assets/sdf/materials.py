@@ -8,6 +8,7 @@ from morse.assets.gazebo.colors import color_of
 from morse.assets.gazebo.values import ValueMistakeError, number, text_of, vector
 from morse.assets.meshfiles.pictures import Pictures, usable_picture
 from morse.assets.nearby_files import FileRefusedError, find_folder_near, find_near
+from morse.assets.sdf.files import find_file
 from morse.assets.sdf.scripts import Script, scripts_in
 from morse.mathutils.light import linear_color
 from morse.scene import Image, Material
@@ -139,7 +140,7 @@ class Materials:
         file = next((one for one in candidates if "\0" not in name and one.is_file()), None)
         if file is None:
             try:
-                file = find_near(name, path)
+                file = find_file(name, path)
             except FileRefusedError as error:
                 self._warn(f"the picture '{name:.120}' is left out: {error}")
                 return None
