@@ -143,6 +143,7 @@ def test_a_world_without_a_floor(load: Load, tmp_path: Path) -> None:
     assert [failure.part for failure in simulation.failures] == ["low"], "the lowest shape is that of the low robot"
     simulation.step(120)
     assert [failure.part for failure in simulation.failures] == ["low", "high"]
+    assert all("nothing.xml' has no floor" in failure.cause for failure in simulation.failures)
     assert simulation.clock.time < 5.0 + math.sqrt(2 * 80 / 9.81)
 
 

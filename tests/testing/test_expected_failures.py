@@ -246,6 +246,8 @@ def test_cases_of_unittest(pytester: pytest.Pytester, fails: str, passes: bool) 
         ("from morse.builder import *; robot = ATRV()", True),
         ("for n in range(3): ATRV(f'r{n}')", True),
         ("robot = ATRV()\npose = Pose()", True),
+        ("robot = ATRV(", True),
+        ("ATRV('r', =)", True),
         ("scene.py", False),
         ("my-scene.py", False),
         ("scenes/default", False),

@@ -39,7 +39,7 @@ class Fallen:
         self._simulation = simulation
         self._reports: WeakSet[Robot] = WeakSet()
         self._first = self._next = 0
-        self._bottom = lowest_shape(simulation.world)
+        self._bottom, self._has_floor = lowest_shape(simulation.world)
 
     def review(self, tick: int, changed: bool) -> int:
         """Check some robots; see `morse.simulation.ticks.ticking.Ticker.reviews`."""
@@ -70,13 +70,15 @@ class Fallen:
 
     def _report(self, robot: Robot, height: float) -> None:
         simulation, name = self._simulation, robot.name()
-        place = f"it is at z = {height:.1f} m, below the floor of '{simulation.scene.environment}'"
-        line = next((one.where for one in simulation.scene.components if one.name == name), "")
-        simulation.context.guard.note(
-            Failure("fallen", name, "has left the world", simulation.clock.time, place, str(line))
-        )
+        world = f"'{simulation.scene.environment}'"
+        floor = f"below the floor of {world}" if self._has_floor else f"and {world} has no floor"
+        place = f"it is at z = {height:.1f} m, {floor}"
+        created = next((one.where for one in simulation.scene.components if one.name == name), None)
+        line = str(created) if created is not None else ""
+        simulation.context.guard.note(Failure("fallen", name, "has left the world", simulation.clock.time, place, line))
         if simulation.scene.settings.fallen == "error" and not simulation.options.keep_going:
-            simulation.part_failed(FallenError(f"{name} has left the world: {place}"), name)
+            at = f" ({line})" if line else ""
+            simulation.part_failed(FallenError(f"{name} has left the world: {place}{at}"), name)
             return
         # the page shows it in words, and marks the robot
         logger.warning("%s falls: %s; F11 or the service simulation.reset begins again", name, place)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import os
+import re
 import sys
 import textwrap
 from pathlib import Path
@@ -100,11 +101,15 @@ _STATEMENTS = (
     ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Import, ast.ImportFrom, ast.For, ast.If, ast.With, ast.FunctionDef
 )  # fmt: skip
 
+#: the beginning of a statement that is not complete
+_BEGINNING = re.compile(r"\s*[^\W\d]\w*\s*(=|\()")
+
 
 def is_text(scene: str) -> bool:
     """Whether a string is the text of a scene, and not the path of one.
 
-    A text has several lines; or it is no existing file, does not end as a script does, and is a statement or a call.
+    A text has several lines; or it is no existing file, does not end as a script does, and is or begins as a statement
+    or a call.
     """
     if "\n" in scene:
         return True
@@ -113,7 +118,7 @@ def is_text(scene: str) -> bool:
     try:
         body = ast.parse(scene.strip()).body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return False
+        return _BEGINNING.match(scene) is not None  # the error of a text is that of its line
     return any(
         isinstance(one, _STATEMENTS) or (isinstance(one, ast.Expr) and isinstance(one.value, ast.Call)) for one in body
     )
