@@ -146,3 +146,25 @@ def test_the_angle_of_the_steering_of_a_car(speed: float, angle: float, expected
         slots = one.take(cdr.decode(one.type, cdr.encode(one.type, message)))
         assert slots["linear"] == [speed, 0.0, 0.0]
         assert slots["angular"] == pytest.approx([0.0, 0.0, expected], abs=1e-6)
+
+
+def test_a_trajectory_of_a_message_is_the_same_again(start: Callable[..., Any]) -> None:
+    """An actuator calls its service when it reads the message, after others have obeyed commands in the same tick."""
+    sim, desk = start(f"{ARM}\nother = MotionVW('other')\nrobot.append(other)")
+    times = [{"sec": 0, "nanosec": 200_000_000}, {"sec": 0, "nanosec": 500_000_000}]
+    points = [
+        {"positions": [share * angle for angle in ANGLES], "time_from_start": t}
+        for share, t in zip((0.5, 1.0), times, strict=True)
+    ]
+    with sim.record_inputs() as recording:
+        sim.step(3)
+        sim.robot.other.publish({"v": 0.3})
+        desk.send_bytes(
+            "/robot/arm/joint_trajectory",
+            cdr.encode("trajectory_msgs/msg/JointTrajectory", {"joint_names": JOINTS, "points": points}),
+        )
+        sim.step(60)
+    wanted = sim.state_hash()
+    assert {entry.kind for entry in recording.entries} == {"command", "call"}
+    sim.replay(recording)
+    assert sim.state_hash() == wanted
