@@ -242,6 +242,7 @@ MISFITS: dict[str, tuple[Callable[[InputRecording], InputRecording], str]] = {
     ),
     "a negative tick": (lambda r: changed(r, COMMAND, tick=-1), "too late"),
     "a life without a restart": (lambda r: changed(r, COMMAND, 1, life=2), "too late: the run is at tick"),
+    "after the end": (lambda r: changed(r, COMMAND, 1, tick=10**15), "the recording ends at tick 5"),
     "after the end of a life": (lambda r: changed(r, SPAWN, tick=9), "comes after|too late"),
     "two outcomes": (lambda r: added(r, said(r, 2, "SUCCESS"), said(r, 2, "FAILED")), "two outc"),
     "refused, but it was not": (
@@ -306,6 +307,19 @@ def test_a_recording_that_does_not_fit_is_different_and_names_the_entry(misfit: 
     assert outcome.departure is not None
     assert re.search(message, f"{outcome.departure.what}: {outcome.departure.how}")
     assert outcome.ticks < 20
+
+
+def test_a_recording_that_claims_to_last_for_ages_ends_where_its_messages_end(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(SCRIPT)
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        happened(sim)
+    with Recording(tmp_path / "run.mcap") as recording:
+        recording.end["tick"] = str(10**15)
+        outcome = resimulate(recording, trust=True)
+    assert outcome.departure is not None
+    assert "no further message" in outcome.departure.how
+    assert outcome.ticks == 13
 
 
 def test_a_page_of_inputs_that_do_not_fit_ends_there(caplog: pytest.LogCaptureFixture) -> None:

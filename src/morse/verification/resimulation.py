@@ -45,6 +45,10 @@ class Outcome(NamedTuple):
     elsewhere: str = ""
 
 
+class _Departed(Exception):
+    """The run differs from its recording: what follows says nothing."""
+
+
 class _EachTick(Observer):
     """Publishes the messages of each tick as a whole, like a recorder."""
 
@@ -114,8 +118,15 @@ def repeat(recording: Recording, simulation: Simulation, record: str | None = No
         streams = RecordedStreams(simulation.context, comparison, recording.sensors())
     observers = [_EachTick(streams, simulation), ticks]
     simulation.observers.extend(observers)
+
+    def check() -> None:
+        if comparison.departure is not None and copy is None:
+            raise _Departed
+
     try:
-        simulation.replay(inputs, results=not elsewhere)
+        simulation.replay(inputs, check, results=not elsewhere)
+    except _Departed:
+        return Outcome(comparison.departure, ticks.count, comparison.count, False, elsewhere=elsewhere)
     except ReplayError as error:
         misfit = Departure(error.entry.tick, shown_entry(error.entry), error.how)
         if comparison.departure is not None and comparison.departure.tick <= misfit.tick:

@@ -97,6 +97,8 @@ class InputRecording:
             before = entry
         if before is not None and inputs[0].life < self.life:
             raise ReplayError(inputs[0], "the recording begins later")
+        if before is not None and before.kind not in REBIRTHS and before.tick > self.last:
+            raise ReplayError(before, f"the recording ends at tick {self.last}")
         outcomes: dict[int, Outcome] = {}
         for entry in self.entries:
             if entry.kind == OUTCOME:
