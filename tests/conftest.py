@@ -11,6 +11,8 @@ import sys
 import tempfile
 import threading
 from functools import partial
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -144,6 +146,23 @@ def _own_ros_domain() -> tuple[int, IO[str] | None]:
     raise RuntimeError("all ROS domains are in use by other tests")
 
 
+class _Beside(MetaPathFinder):
+    """Finds the packages beside the tests that are not installed, and nothing else there, such as projects."""
+
+    def find_spec(self, name: str, path: object = None, target: object = None) -> ModuleSpec | None:
+        found = PathFinder.find_spec(name, [str(_ROOT)]) if name in ("benchmarks", "tools") else None
+        if found is not None and found.loader is None:
+            # the path of a package without __init__.py follows sys.path, which does not have this folder
+            found.submodule_search_locations = [str(_ROOT / name)]
+        return found
+
+
+_ROOT = Path(__file__).resolve().parents[1]
+# before `tests`, which has a folder `benchmarks` as well
+sys.meta_path.insert(0, _Beside())
+# `python -m pytest` adds the present folder
+sys.path[:] = [entry for entry in sys.path if Path(entry).resolve() != _ROOT]
+
 # workers, and tests of tests, have the home directory of the run that has started them
 _begins = "MORSE_TEST_SESSION" not in os.environ
 if _begins:
@@ -152,7 +171,7 @@ _port, _guard = _own_ports()
 _domain, _lock = _own_ros_domain()
 os.environ.update(MORSE_SOCKET_PORT=str(_port), ROS_DOMAIN_ID=str(_domain))
 # examples that have failed are tried first the next time
-set_hypothesis_home_dir(os.environ.get("HYPOTHESIS_STORAGE_DIRECTORY") or Path(__file__).parents[1] / ".hypothesis")
+set_hypothesis_home_dir(os.environ.get("HYPOTHESIS_STORAGE_DIRECTORY") or _ROOT / ".hypothesis")
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -33,7 +33,7 @@ def test_texts(text):
 """
 
 PERSON = """
-import json, locale, os, pathlib, subprocess, sys
+import importlib.util, json, locale, os, pathlib, subprocess, sys
 from morse.cli.sites import registered
 
 PROGRAM = (
@@ -45,9 +45,10 @@ PROGRAM = (
 def test_nothing_of_the_person_is_seen():
     assert registered() == []
     assert not {name for name in os.environ if name.startswith(("LC_ALL", "LANG", "PYTHON"))}
-    assert os.environ["ROS_DOMAIN_ID"] != "7"
+    assert os.environ["ROS_DOMAIN_ID"] != "107"
     assert os.listdir() == []
     assert "spam" not in sys.path
+    assert importlib.util.find_spec("ranger_sim") is None, "neither in the home directory nor beside the tests"
     said = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True)
     projects, variables, encoding, files, spam = json.loads(said.stdout)
     assert (projects, files, spam) == ([], [], False)
@@ -87,6 +88,7 @@ def test_tests_see_nothing_of_the_person_who_runs_them(
     (home / ".morse" / "config").write_text(f"[sites]\nranger_sim = {home / 'ranger_sim'}\n")
     (tests := folder / "tests").mkdir(parents=True)
     (folder / "scene.py").write_text("1 / 0\n")
+    (folder / "ranger_sim").mkdir()
     (tests / "test_person.py").write_text(PERSON)
     (tests / "conftest.py").write_text((TESTS / "conftest.py").read_text())
     # as if nobody had begun a run of tests
@@ -96,7 +98,7 @@ def test_tests_see_nothing_of_the_person_who_runs_them(
         f"-n{workers}", "-c", os.devnull, f"--rootdir={folder}", "tests",
         folder=folder, HOME=str(home), USERPROFILE=str(home), MORSE_THREADS="1", MORSE_NODE="other", MORSE_CACHE="off",
         MORSE_RESOURCE_PATH=str(home), MORSE_SOCKET_PORT="4000", PYTHONPATH="spam", PYTHONWARNINGS="ignore",
-        ROS_DOMAIN_ID="7", LC_ALL="tr_TR.ISO-8859-9", LANG="de_DE.ISO-8859-1", DISPLAY=":7",
+        ROS_DOMAIN_ID="107", LC_ALL="tr_TR.ISO-8859-9", LANG="de_DE.ISO-8859-1", DISPLAY=":7",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     assert "2 passed" in done.stdout
