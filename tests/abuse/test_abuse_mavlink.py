@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import socket
 
-from morse.middleware.mavlink.framing import Framer
-from morse.middleware.mavlink.intake import Intake
-from morse.middleware.mavlink.links import UdpLink
+from morse.plugins.mavlink.framing import Framer
+from morse.plugins.mavlink.intake import Intake
+from morse.plugins.mavlink.links import UdpLink
 
 WANTED = 76  # COMMAND_LONG
 #: an empty message of version 1 of that type, with a wrong checksum

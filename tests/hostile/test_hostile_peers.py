@@ -25,11 +25,11 @@ from effort import examples
 from event_loops import run_apart
 from morse.builder import ATRV, Environment, MotionVW, Pose
 from morse.core.clients.network import Network
-from morse.middleware.mavlink import framing, links
-from morse.middleware.mavlink.framing import Framer
-from morse.middleware.mavlink.intake import Intake
-from morse.middleware.mavlink.links import UdpLink, open_link
 from morse.middleware.multinode.server import MultinodeServer
+from morse.plugins.mavlink import framing, links
+from morse.plugins.mavlink.framing import Framer
+from morse.plugins.mavlink.intake import Intake
+from morse.plugins.mavlink.links import UdpLink, open_link
 from morse.plugins.moos.packets import check_packet
 from morse.plugins.yarp.names import Address, NameServer, is_alive
 from morse.plugins.yarp.port import Port

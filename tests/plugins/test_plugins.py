@@ -106,7 +106,7 @@ def test_modules_below_an_old_path_are_loaded_once():
 def run(*words: str, folder: Path, path: Path) -> subprocess.CompletedProcess[str]:
     environment = {**os.environ, "PYTHONPATH": str(path)}
     return subprocess.run(
-        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=250, check=False
+        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
 
 
@@ -134,12 +134,11 @@ def test_without_plugins_their_names_are_unknown_and_everything_else_is_there(ba
 
 @pytest.mark.long
 def test_without_plugins_the_rest_passes(bare: Path):
-    """A test of each kind of thing that the registry serves: scripts, streams, services, recordings."""
+    """Tests of what the registry serves: streams, interfaces of scripts, recordings."""
     chosen = [
-        "tests/middleware/test_socket_streams.py",
         "tests/middleware/test_text_files.py",
-        "tests/builder/test_script_errors.py",
-        "tests/services",
+        "tests/middleware/test_socket_streams.py",
+        "tests/builder/test_interfaces.py",
         "tests/recording/test_recorded_fields.py",
     ]
     words = ["-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", "-m", "not slow and not browser and not soak"]

@@ -39,7 +39,6 @@ logger = logging.getLogger(__name__)
 _OTHER_NAMES = {
     "pocolibs": "ros2",
     "hla": "socket",
-    "pprzlink": "mavlink",
 }
 #: class paths of the managers of MORSE 1.4 and earlier, such as ``morse.middleware.moos_datastream.MOOS``
 _OLD_MANAGER = re.compile(r"morse\.middleware\.(\w+?)_(?:datastream|request_manager|mw)\.\w+")
@@ -69,6 +68,8 @@ class Middleware:
         extra: the extra of MORSE that installs these modules.
         install: the command that installs them, for middlewares of other packages.
         purpose: what it gives, in a few words, for lists of what is installed.
+        in_place_of: names of middlewares that scripts may name although they are gone, and for which this one can be
+            used.
         takes_old_names: whether its streams can be given by class paths of MORSE 1.4 that are not classes any more.
         old_modules: paths below ``morse.middleware`` under which scripts import modules that are elsewhere today, and
             their present paths; also those of the modules below them.
@@ -89,6 +90,7 @@ class Middleware:
     extra: str = ""
     install: str = ""
     purpose: str = ""
+    in_place_of: tuple[str, ...] = ()
     takes_old_names: bool = False
     old_modules: Mapping[str, str] = field(default_factory=dict)
 
@@ -221,15 +223,21 @@ def middleware(name: str) -> Middleware:
     if name in middlewares:
         return middlewares[name]
     names = ", ".join(sorted(middlewares)) or "none"
-    if name in _OTHER_NAMES:
+    others = _other_names()
+    if name in others:
         raise MorseMiddlewareError(
-            f"the middleware '{name}' is not part of this installation; {_OTHER_NAMES[name]} can be used instead "
+            f"the middleware '{name}' is not part of this installation; {others[name]} can be used instead "
             f"(installed: {names})"
         )
-    near = closest(name, [*middlewares, *_OTHER_NAMES])
+    near = closest(name, [*middlewares, *others])
     hint = f"; did you mean '{near}'?" if near else ""
     own = "" if near else "; one of your own needs an entry point 'morse.middlewares' in pyproject.toml"
     raise MorseMiddlewareError(f"there is no middleware '{name}'{hint}{own} (installed: {names})")
+
+
+def _other_names() -> dict[str, str]:
+    """Names of middlewares that are not there, and what can be used for each."""
+    return _OTHER_NAMES | {other: entry.name for entry in installed().values() for other in entry.in_place_of}
 
 
 def stream_manager(name: str) -> str:
@@ -267,7 +275,7 @@ def _of_1_4(classpath: str, kind: str) -> str:
         MorseMiddlewareError: it is a class of a middleware that is not part of this installation.
     """
     old = _OLD_MANAGER.fullmatch(classpath)
-    if old is None or old[1] not in [*installed(), *_OTHER_NAMES]:
+    if old is None or old[1] not in [*installed(), *_other_names()]:
         return classpath
     today: str | None = getattr(middleware(old[1]), kind)
     return today or classpath

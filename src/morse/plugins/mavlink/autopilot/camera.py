@@ -1,0 +1,203 @@
+"""A camera of a vehicle: the camera protocol of MAVLink."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from morse.core.kinds.turning import quaternion_of
+from morse.mathutils.rotations import product
+from morse.plugins.mavlink.telemetry import boot_ms
+from morse.wire.images import image_file
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.object import Object
+    from morse.mathutils.rotations import Rotation9
+    from morse.plugins.mavlink.autopilot.craft import Craft
+    from morse.plugins.mavlink.autopilot.photos import Photo, Photos
+
+#: MAV_RESULT
+_ACCEPTED, _TRY_AGAIN, _DENIED, _UNSUPPORTED = 0, 1, 2, 3
+_INFORMATION, _SETTINGS, _STORAGE, _STATUS, _CAPTURED, _HEARTBEAT = 259, 260, 261, 262, 263, 0
+#: MAV_TYPE_CAMERA, MAV_AUTOPILOT_INVALID, MAV_STATE_ACTIVE; CAMERA_CAP_FLAGS_CAPTURE_IMAGE
+_CAMERA, _NO_AUTOPILOT, _ACTIVE, _TAKES_IMAGES = 30, 8, 4, 2
+#: STORAGE_STATUS_READY, STORAGE_TYPE_OTHER, and what it is for: photos by default
+_READY, _OTHER, _FOR_PHOTOS = 2, 254, 1 | 2
+_MEBI = 1 << 20
+_SECOND = 10**9
+#: of JPEG; s: shortest time between two photos
+_QUALITY, _SHORTEST = 90, 0.1
+_MODE_IMAGE = 0
+#: forward, left and up in the axes of a camera, which looks along Z and has Y downward
+_AHEAD: Rotation9 = (0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0)
+
+
+class Camera:
+    """Takes the newest image of a camera of the robot as a photo.
+
+    Args:
+        component: the id in messages.
+        sensor: the camera of MORSE.
+        flight: the state of the vehicle.
+        photos: where the photos of all cameras of the vehicle are kept.
+    """
+
+    def __init__(self, component: int, sensor: Object, flight: Craft, photos: Photos) -> None:
+        self.component, self._sensor, self._flight, self._photos = component, sensor, flight, photos
+        self._stamp = 0
+        #: number of photos to be taken, infinite without a limit; their interval, ns; the time of the next one, ns
+        self._left, self._interval, self._due = 0.0, 0, 0
+        #: m between photos, 0 for none, and where the last one was taken
+        self._spacing, self._last_place = 0.0, (0.0, 0.0, 0.0)
+
+    def _send(self, name: str, *values: object) -> None:
+        self._flight.vehicle.send_from(self.component, name, *values)
+
+    # -- commands ----------------------------------------------------------------------------
+
+    def obey(self, command: int, params: tuple[float, ...]) -> int:
+        """Execute a command; MAV_RESULT."""
+        execute = self._COMMANDS.get(command)
+        return _UNSUPPORTED if execute is None else execute(self, params)
+
+    def _request(self, params: tuple[float, ...]) -> int:
+        return self._answer(params[0], params[1])
+
+    def _answer(self, number: float, index: float = 0.0) -> int:
+        send = self._MESSAGES.get(number)
+        if number == _CAPTURED:
+            photo = self._photos.photo(self.component, index)
+            if photo is None:
+                return _DENIED
+            self._tell(photo)
+            return _ACCEPTED
+        if send is None:
+            return _UNSUPPORTED
+        send(self)
+        return _ACCEPTED
+
+    def _start(self, params: tuple[float, ...]) -> int:
+        interval, count = params[1:3]
+        if not (0.0 <= interval < 1e6 and 0.0 <= count < 1e9):
+            return _DENIED
+        if not self._has_image():
+            return _TRY_AGAIN
+        self._left, self._due = count or math.inf, self._stamp
+        self._interval = round(max(interval, _SHORTEST) * _SECOND)
+        self._shoot()
+        return _ACCEPTED
+
+    def _stop(self, params: tuple[float, ...]) -> int:
+        self._left, self._spacing = 0.0, 0.0
+        return _ACCEPTED
+
+    def _by_distance(self, params: tuple[float, ...]) -> int:
+        spacing = params[0]
+        if not 0.0 <= spacing < 1e6:
+            return _DENIED
+        self._spacing = spacing
+        # the third parameter: take one at once
+        self._last_place = self._flight.now.position
+        if spacing and params[2] == 1.0:
+            self._left += 1.0
+        return _ACCEPTED
+
+    def _set_mode(self, params: tuple[float, ...]) -> int:
+        return _ACCEPTED if params[1] == _MODE_IMAGE else _DENIED
+
+    def _digicam(self, params: tuple[float, ...]) -> int:
+        return self._start((0.0, 0.0, 1.0)) if params[4] == 1.0 else _ACCEPTED
+
+    def _format(self, params: tuple[float, ...]) -> int:
+        if params[1] == 1.0:
+            self._photos.clear()
+        return _ACCEPTED
+
+    # -- photos ------------------------------------------------------------------------------
+
+    def _has_image(self) -> bool:
+        return bool(np.size(self._sensor.local_data["image"]))
+
+    def _shoot(self) -> None:
+        """Take a photo, if one is due."""
+        if self._spacing and math.dist(self._last_place, self._flight.now.position) >= self._spacing:
+            self._last_place = self._flight.now.position
+            self._left = max(self._left, 1.0)
+        if self._left <= 0.0 or self._stamp < self._due or not self._has_image():
+            return
+        self._left -= 1.0
+        self._due = self._stamp + max(self._interval, round(_SHORTEST * _SECOND))
+        flight = self._flight
+        body: Any = self._sensor.bge_object
+        position, rotation = body.world_pose()
+        latitude, longitude, altitude = flight.place.earth(position)
+        q = quaternion_of(*flight.place.axes.angles_of(product(rotation, _AHEAD)))
+        content = image_file(self._sensor.local_data["image"], "jpeg", _QUALITY)
+        where = (round(latitude * 1e7), round(longitude * 1e7), *(
+            max(-(1 << 31), min(round(1000.0 * v), (1 << 31) - 1)) for v in (altitude, position[2] - flight.home[2])
+        ))  # fmt: skip
+        self._tell(self._photos.add(self.component, content, self._stamp, where, q))
+
+    def _tell(self, photo: Photo) -> None:
+        result = 1 if self._photos.has(photo) else 0
+        self._send(
+            "camera_image_captured", boot_ms(photo.stamp), 0, 0, *photo.place, list(photo.orientation), photo.number,
+            result, photo.url.encode(),
+        )  # fmt: skip
+
+    # -- messages ----------------------------------------------------------------------------
+
+    def tick(self, stamp: int) -> None:
+        """Take the photos that are due at a simulated time, ns."""
+        if stamp < self._stamp:  # the simulation has started again
+            self._left, self._spacing = 0.0, 0.0
+        self._stamp = stamp
+        self._shoot()
+
+    def beat(self) -> None:
+        """Send a heartbeat."""
+        self._send("heartbeat", _CAMERA, _NO_AUTOPILOT, 0, 0, _ACTIVE)
+
+    def _inform(self) -> None:
+        camera: Any = self._sensor
+        width, height = camera.image_width, camera.image_height
+        # the focal length of MORSE is for a sensor that is 32 mm wide
+        wide = 32.0
+        focal = float(np.asarray(camera.local_data["intrinsic_matrix"])[0][0]) * wide / width
+        vendor, model = (list(text.encode()[:32].ljust(32, b"\0")) for text in ("MORSE", camera.name()))
+        self._send(
+            "camera_information", boot_ms(self._stamp), vendor, model, 0, focal, wide, wide * height / width, width,
+            height, 0, _TAKES_IMAGES, 0, b"",
+        )  # fmt: skip
+
+    def _settings(self) -> None:
+        self._send("camera_settings", boot_ms(self._stamp), _MODE_IMAGE, math.nan, math.nan)
+
+    def _storage(self) -> None:
+        total, full = self._photos.capacity / _MEBI, self._photos.used / _MEBI
+        self._send(
+            "storage_information", boot_ms(self._stamp), 1, 1, _READY, total, full, total - full, math.nan, math.nan,
+            _OTHER, b"memory", _FOR_PHOTOS,
+        )  # fmt: skip
+
+    def _status(self) -> None:
+        # idle, in progress, or at intervals
+        state = 0 if not self._left else 3 if self._left > 1.0 else 1
+        free = (self._photos.capacity - self._photos.used) / _MEBI
+        count = self._photos.count(self.component)
+        self._send("camera_capture_status", boot_ms(self._stamp), state, 0, self._interval / _SECOND, 0, free, count)
+
+    _MESSAGES: ClassVar[dict[float, Callable[[Camera], None]]] = {
+        _HEARTBEAT: beat, _INFORMATION: _inform, _SETTINGS: _settings, _STORAGE: _storage, _STATUS: _status,
+    }  # fmt: skip
+
+    _COMMANDS: ClassVar[dict[int, Callable[[Camera, tuple[float, ...]], int]]] = {
+        203: _digicam, 206: _by_distance, 512: _request, 526: _format, 530: _set_mode, 2000: _start, 2001: _stop,
+        # those from before MAV_CMD_REQUEST_MESSAGE
+        521: lambda camera, _: camera._answer(_INFORMATION), 522: lambda camera, _: camera._answer(_SETTINGS),
+        525: lambda camera, _: camera._answer(_STORAGE), 527: lambda camera, _: camera._answer(_STATUS),
+    }  # fmt: skip
