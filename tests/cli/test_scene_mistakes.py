@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import re
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from morse.launch.load import SceneWarningError, load
 from morse.scene.scene_warnings import scene_warnings
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from tests.cli.conftest import Terminal
@@ -63,6 +65,16 @@ WARNINGS = {
     ),
     "profile of an actuator": ("motion.profile()  #!", "not a sensor"),
     "options of services": ("motion.add_service('socket', config={'port': 3})  #!", "no options"),
+    "property of a robot": ("robot.properties(GroundRobt=True)  #!", "did you mean 'GroundRobot'?"),
+    "appended twice": ("robot.append(pose)  #!", "leave it out"),
+    "on two robots": (
+        "other = Morsy()\nother.translate(x=4)\nother.append(pose)  #!",
+        "create a component for each of them",
+    ),
+    "port of another stream": (
+        "pose.add_stream('socket', port=61234)\nmotion.add_stream('socket', port=61234)  #!",
+        "choose another one",
+    ),
     "two drives": ("more = MotionXYW()  #!\nrobot.append(more)", "remove one of them"),
     "mesh left out": ("cart = Robot('cart.urdf')  #!\ncart.translate(x=5, z=0.2)", "no_such_mesh"),
     "sensor of a file": ("cart = Robot('cart.urdf')  #!\ncart.translate(x=5, z=0.2)", "frequency(hz)"),
@@ -72,6 +84,9 @@ LATER_WARNINGS = {
     "rate": ("pose.frequency(1000)  #!\nenv.simulator_frequency(60)", "it becomes 60 Hz"),
     "rate as a property": ("pose.properties(frequency=90)  #!\nenv.simulator_frequency(30)", "it becomes 30 Hz"),
     "rates in a loop": ("for one in (pose, motion):\n    one.frequency(100)  #!\nenv.simulator_frequency(10)", "10 Hz"),
+    "property of the world": ("env.properties(longitud=3.0)  #!", "did you mean 'longitude'?"),
+    "degrees of the Earth": ("env.properties(latitude=120)  #!", "from -90 to 90"),
+    "is for ==": ("if robot is 3:  #!\n    pass", 'Did you mean "=="?'),
     "robot of another node": (
         "env.configure_multinode(distribution={'a': ['robbot']})  #!",
         "did you mean 'robot'?",
@@ -142,14 +157,15 @@ def _cases() -> list[object]:
 
 
 @pytest.fixture
-def project(morse: Terminal, monkeypatch: pytest.MonkeyPatch) -> Terminal:
+def project(morse: Terminal, monkeypatch: pytest.MonkeyPatch) -> Iterator[Terminal]:
     (morse.directory / "cart.urdf").write_text(URDF)
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     # the modules of a project stay in the process of a run, which is that of the tests here
     monkeypatch.setattr(ProjectImports, "stay", lambda self: None)
     # which counts equal lines of the runs before
     monkeypatch.setattr(log, "_handler", None)
-    return morse
+    yield morse
+    gc.unfreeze()  # a run keeps its objects from the garbage collection
 
 
 @pytest.mark.parametrize(("text", "kind", "number", "words"), _cases())

@@ -15,11 +15,12 @@ from morse.builder.components.placement import Placement
 from morse.builder.data import Configuration
 from morse.builder.errors import checks
 from morse.builder.errors.attributes import unknown_attribute
-from morse.builder.errors.properties import check_declared
+from morse.builder.errors.properties import check_declared, warn_if_misspelled
 from morse.builder.legacy.methods import old_method
 from morse.builder.names import frames, naming
 from morse.builder.names.classes import load_class
 from morse.builder.names.part import Part, Strength
+from morse.core import declarations
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration
 
@@ -183,6 +184,8 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         except ValueError:
             raise MorseBuilderError(f"'{obj.name}' cannot be appended to '{self.name}', which is part of it") from None
         if obj.parent is not None:
+            mend = "leave it out" if obj.parent is self else "create a component for each of them"
+            logger.warning("'%s' was appended to '%s' before: %s", obj.name, obj.parent.name, mend)
             obj.parent.children.remove(obj)
         obj.parent = self
         self.children.append(obj)
@@ -232,6 +235,9 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             self.classpath = kwargs["classpath"]
         elif self._kind in ("sensor", "actuator") and (cls := self.component_class()) is not None:
             properties = check_declared(cls, kwargs)
+        elif self._kind == "robot" and (cls := self.component_class()) is not None:
+            known = [declared.name for declared in declarations.properties(cls).values()]
+            warn_if_misspelled(type(self).__name__, kwargs, known)
         for key, value in properties.items():
             self.scene_node.properties[key] = checked_property(key, value)
         if "frequency" in properties:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib.util
+import logging
 import sys
 import threading
+import warnings
 from contextlib import contextmanager
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -24,6 +26,7 @@ from morse.builder.libraries import LibrariesFirst
 from morse.builder.names import frames
 from morse.builder.names.places import resource_folders, source_folders
 from morse.core.classes.project_imports import ProjectImports
+from morse.scene import SourceLine
 from morse.scene.scene_warnings import about, scene_warnings
 from morse.system.regular_files import read_regular
 
@@ -34,6 +37,8 @@ if TYPE_CHECKING:
     from morse.simulation.options import RunOptions
 
 __all__ = ["ScriptError", "build", "is_loading", "load_scene"]
+
+logger = logging.getLogger(__name__)
 
 #: lock for the builder, which can describe one scene at a time
 _describing = threading.RLock()
@@ -146,9 +151,24 @@ def _lacks(name: str) -> bool:
     return spec is None or spec.origin is None
 
 
+def compiled(source: bytes | str, name: str) -> CodeType:
+    """The code of a script; what Python warns of, such as ``n is 3``, is a warning about the scene.
+
+    Raises:
+        SyntaxError: the script has an error.
+    """
+    with warnings.catch_warnings(record=True) as noted:
+        warnings.simplefilter("always", SyntaxWarning)
+        code = compile(source, name, "exec", dont_inherit=True)
+    for one in noted:
+        if issubclass(one.category, SyntaxWarning):
+            logger.warning("%s: %s", one.category.__name__, one.message, extra={"where": SourceLine(name, one.lineno)})
+    return code
+
+
 def _run(script: Path, project: ProjectImports, code: CodeType | None) -> None:
     if code is None:
-        code = compile(read_regular(script), str(script), "exec", dont_inherit=True)
+        code = compiled(read_regular(script), str(script))
     module = ModuleType("__main__")
     module.__file__ = str(script)
     project.prepare(module)

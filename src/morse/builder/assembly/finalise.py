@@ -66,6 +66,7 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
         settings.frequency = max(settings.frequency, fastest)
     _slow_down(own, settings.frequency)
     _tell_doubles(own)
+    _tell_ports(own)
     for part in workspace.components:
         if isinstance(part, AbstractComponent):
             part.scene_node.where = part._where
@@ -103,6 +104,21 @@ def _tell_doubles(parts: Iterable[AbstractComponent]) -> None:
                     "%s.%s['%s'], another name, or Robot(..., sensors=False) without the components of the file",
                     *(robot.name, name, child.name, robot.name, table, name),
                     extra={"where": child._where},
+                )
+
+
+def _tell_ports(parts: Iterable[AbstractComponent]) -> None:
+    """Warn of streams with the port of a stream of another component: it gets another one."""
+    owners: dict[tuple[str, object], str] = {}
+    for part in parts:
+        for stream in part._streams:
+            port = stream.options.get("port")
+            owner = owners.setdefault((stream.manager, port), part.name) if port else part.name
+            if owner != part.name:
+                logger.warning(
+                    "the port %s of '%s' is that of '%s': choose another one",
+                    *(port, part.name, owner),
+                    extra={"where": stream.where},
                 )
 
 

@@ -16,6 +16,7 @@ from morse.builder.environment.time import TimeMethods
 from morse.builder.environment.view import ViewMethods
 from morse.builder.errors import checks
 from morse.builder.errors.attributes import unknown_attribute
+from morse.builder.errors.properties import warn_if_misspelled
 from morse.builder.legacy import values
 from morse.builder.legacy.notices import notice
 from morse.builder.names import frames, naming
@@ -28,9 +29,13 @@ if TYPE_CHECKING:
 
     from morse.scene import Camera, Library, Node
 
+logger = logging.getLogger(__name__)
+
 #: properties of the world that are numbers
 _PLACE = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset")
 _FALLEN = ("warning", "error")
+#: largest angles on the Earth, degrees; longitudes are also counted from 0 to 360
+_DEGREES = {"longitude": 360.0, "latitude": 90.0}
 _NUMBERS = (*_PLACE, "Temperature", "WaveHeight", "WavePeriod", "WaveDirection")
 
 
@@ -157,9 +162,13 @@ class Environment(ViewMethods, TimeMethods):
             **kwargs: ``longitude``, ``latitude`` (degrees), ``altitude`` (m),
                 ``angle_against_north`` (radians), ``UTMXOffset``, ``Temperature``, ...
         """
+        warn_if_misspelled("the environment", kwargs, _NUMBERS)
         for key, value in kwargs.items():
             if key in _NUMBERS:
                 value = values.number(value, f"env.properties({key})")
+            most = _DEGREES.get(key)
+            if most is not None and isinstance(value, (int, float)) and not -most <= value <= most:
+                logger.warning("env.properties(%s) takes degrees from %g to %g, got %g", key, -most, most, value)
             self.environment_properties[key] = checked_property(key, value)
 
     # --- accepted for old scripts -----------------------------------------------------------

@@ -11,7 +11,7 @@ from morse.core import declarations
 from morse.core.validation import checked_value
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from morse.core.values import Properties
 
@@ -20,6 +20,19 @@ logger = logging.getLogger(__name__)
 
 #: these properties are read by MORSE itself, independent of the declarations of the component
 _GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_Tag", "Robot_Tag"})
+
+
+#: likeness of a misspelled name, where other names are allowed
+_ALIKE = 0.8
+
+
+def warn_if_misspelled(owner: str, names: Iterable[str], known: Iterable[str]) -> None:
+    """Warn about properties that are nearly those that the owner has; others are the user's own."""
+    words = list(known)
+    for name in names:
+        near = checks.closest(name, words, _ALIKE) if name not in words else None
+        if near is not None:
+            logger.warning("%s has no property '%s'; did you mean '%s'? (it is kept)", owner, name, near)
 
 
 def check_declared(cls: type, values: Mapping[str, object]) -> Properties:

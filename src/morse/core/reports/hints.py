@@ -22,8 +22,12 @@ _MOST_LISTED = 50
 _SHORTER, _LONGER = 3, 7
 
 
-def closest(word: object, candidates: Iterable[object]) -> str | None:
-    """Return the known name most similar to ``word``, ignoring case, or None."""
+def closest(word: object, candidates: Iterable[object], cutoff: float = 0.6) -> str | None:
+    """Return the known name most similar to ``word``, ignoring case, or None.
+
+    Args:
+        cutoff: likeness from 0 to 1 of a word and a name that is similar to it.
+    """
     if not isinstance(word, str) or len(word) > _LONGEST_WORD:
         return None
     size = len(word)
@@ -42,7 +46,7 @@ def closest(word: object, candidates: Iterable[object]) -> str | None:
         # to compare the order of the letters takes twenty times longer
         matcher = difflib.SequenceMatcher(b=lower)
         by_folded = {name: by_folded[name] for name in nlargest(_MOST_ORDERED, by_folded, partial(_likeness, matcher))}
-    matches = difflib.get_close_matches(lower, by_folded, n=1)
+    matches = difflib.get_close_matches(lower, by_folded, n=1, cutoff=cutoff)
     return by_folded[matches[0]] if matches else None
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import io
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from morse.builder.legacy import language
 from morse.builder.legacy.check.finding import Edit, Finding, sentence
 from morse.builder.legacy.check.silence import Silence
 from morse.builder.legacy.check.syntax import parsed
-from morse.builder.script import load_scene
+from morse.builder.script import compiled, load_scene
 from morse.scene.scene_warnings import scene_warnings, silent_log
 from morse.system.regular_files import read_regular
 from morse.system.source_text import source_text
@@ -100,12 +101,18 @@ def survey(options: RunOptions, text: str | None = None) -> Survey:
         return result
     for finding in errors:
         result.note(finding)
+    if not errors:
+        with result.collecting():
+            compiled(content, str(script))
     tree = _without_python_2(tree, result)
     silence = Silence(tree)
     for _run in range(_MOST_RUNS):
         try:
             with result.collecting(), contextlib.redirect_stdout(io.StringIO()):
-                result.scene = load_scene(options, code=compile(tree, str(script), "exec", dont_inherit=True))
+                with warnings.catch_warnings():  # they are noted already
+                    warnings.simplefilter("ignore", SyntaxWarning)
+                    code = compile(tree, str(script), "exec", dont_inherit=True)
+                result.scene = load_scene(options, code=code)
             break
         except ScriptError as error:
             if not _leave_out(error, script, silence, result):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import warnings
 
 from morse.builder.legacy import language
 from morse.builder.legacy.check.finding import Finding, sentence
@@ -24,7 +25,9 @@ def parsed(text: str, name: str) -> tuple[str, ast.Module, list[Finding]]:
     first: SyntaxError | None = None
     while True:
         try:
-            return text, ast.parse(text, name), findings
+            with warnings.catch_warnings():  # of lines that are mended; the others are told when the script is compiled
+                warnings.simplefilter("ignore", SyntaxWarning)
+                return text, ast.parse(text, name), findings
         except (SyntaxError, ValueError) as caught:
             error = caught if isinstance(caught, SyntaxError) else SyntaxError(str(caught))
             # later ones may be the consequences of a line that was left out
