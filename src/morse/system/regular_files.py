@@ -53,7 +53,7 @@ def open_regular(path: str | Path, most: int = sys.maxsize) -> BinaryIO:
 def read_regular(path: str | Path, most: int = SOURCE_LIMIT) -> bytes:
     """Return the content of a regular file, which counts for the model that is being read; see `open_regular`."""
     with open_regular(path, most) as file:
-        content = file.read(most + 1)
+        content = file.read(min(most, sys.maxsize - 1) + 1)
     if len(content) > most:
         raise _too_large(path, most)
     try:
