@@ -311,8 +311,23 @@ def test_a_result_that_is_not_proved_is_refused(wrong: str, monkeypatch: pytest.
         ("from morse.builder import *\nrobot = (\n", Changes(), "line 2"),
         ("from scenes import *\n", Changes(), "Environment"),
         ("a = ATRV()\nprint(a)\nEnvironment('empty')\n", Changes(deletions={"a": []}), "line 2"),
+        (
+            "a = Zone('Charging')\nEnvironment('empty')\n",
+            Changes(moves=[Move("a", ORIGIN, (0.0, 0.0, 1.0), ORIGIN, ORIGIN)]),
+            "'a' is a Zone",
+        ),
         ("x = '\0'\nEnvironment('empty')\n", Changes(), "valid"),
         (f"x = {'-' * 5000}1\nEnvironment('empty')\n", Changes(), "scene.py"),
+        (
+            "a = ATRV()\ne = Environment('empty')\ne.show(follow='a')\n",
+            Changes(deletions={"a": []}),
+            "line 3, uses 'a'",
+        ),
+        (
+            "a = ATRV()\ne = Environment('empty')\ne.show(plots=['a.pose.x'])\n",
+            Changes(deletions={"a": []}),
+            "line 3, uses 'a.pose.x'",
+        ),
         ("Environment('empty')\n", Changes([Addition("eye", "VideoCamera", (0, 0, 1), robot="a.b")]), "by hand"),
     ],
 )

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import io
 import re
+import shutil
 import tokenize
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_editing import NEW, poses, same
 
+import morse
 from effort import examples
 from morse.builder import workspace
 from morse.builder.assembly.spawning import component_of
@@ -21,9 +25,7 @@ from morse.builder.script import load_scene
 from morse.simulation.options import RunOptions
 from morse.system.source_text import encoded_source
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
+DEMOS = Path(morse.__file__).parent / "data" / "examples"
 CRATE = 'PassiveObject("props/crates", object_name="small_crate")'
 KINDS = [CRATE, "PassiveObject('props/objects', 'Desk')", "ATRV()", "Morsy()"]
 
@@ -255,3 +257,19 @@ def test_a_saved_script_describes_the_edited_scene_and_keeps_all_other_text(tmp_
 
     check()
     assert all(re.search(r", line \d+, uses '\w+': delete", refusal) for refusal in refusals)
+
+
+@pytest.mark.parametrize("path", sorted(DEMOS.rglob("scene.py")), ids=lambda path: path.parent.name)
+def test_all_objects_of_a_demo_are_moved_at_once(path: Path, tmp_path: Path) -> None:
+    shutil.copytree(path.parent, tmp_path, dirs_exist_ok=True)
+    text = path.read_text(encoding="utf-8")
+    before = objects_of(text, tmp_path)
+    # zones cannot be rotated
+    moves = [
+        Move(name, (x + 1.0, y - 2.0, z + 0.5), (a, b, c + 0.3 * (name != "station")), (x, y, z), (a, b, c))
+        for name, ((x, y, z), (a, b, c), _) in before.items()
+    ]
+    after = objects_of(changed_script(text, Changes(moves=moves), "scene.py"), tmp_path)
+    assert after.keys() == before.keys()
+    for move in moves:
+        assert same(after[move.name][:2], (move.position, move.angles)), move.name

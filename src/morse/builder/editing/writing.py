@@ -45,6 +45,7 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
         else:
             _place_by_name(source, move)
     for root, below in changes.deletions.items():
+        _check_words(source, root)
         variable = by_name.get(root)
         parts = [] if variable is None or not variable.is_certain else _with_its_parts(variable, by_variable)
         if parts and all(part.is_plain() for part in parts):
@@ -133,6 +134,8 @@ def _number(value: float) -> str:
 def _move(source: Source, variable: Variable, move: Move) -> None:
     shift = [new - old for new, old in zip(move.position, move.old_position, strict=True)]
     turn = [math.remainder(new - old, math.tau) for new, old in zip(move.angles, move.old_angles, strict=True)]
+    if variable.class_name == "Zone" and any(round(value, _DECIMALS) for value in turn):
+        raise UnwritableError(f"'{move.name}' is a Zone, whose sides follow the axes of the world: undo its rotation")
     lines = _shift(source, variable, "translate", "location", shift)
     lines += _shift(source, variable, "rotate", "rotation_euler", turn)
     if lines:
@@ -317,6 +320,18 @@ def _delete_by_name(source: Source, root: str, below: list[str]) -> None:
     last = _last_effect(source, [root, *below])
     source.insert_after(source.tree.body[last], [f"bpymorse.delete({argument})"])
     source.need({"bpymorse"})
+
+
+def _check_words(source: Source, root: str) -> None:
+    """Raise an error if the script refers to a deleted robot, or to what is on it, in words: ``"robot.pose.x"``."""
+    part = re.compile(re.escape(root) + r"\.[^\W\d]")
+    for node in ast.walk(source.tree):
+        shows = isinstance(node, ast.Call) and name_of(node.func).endswith(".show")
+        for word in ast.walk(node) if shows else (node,):
+            text = word.value if isinstance(word, ast.Constant) and isinstance(word.value, str) else ""
+            if part.match(text) or (shows and text == root):
+                line = getattr(word, "lineno", 1)
+                raise UnwritableError(f"{source.name}, line {line}, uses '{text}': delete '{root}' there by hand")
 
 
 def _with_its_parts(variable: Variable, by_variable: dict[str, Variable]) -> list[Variable]:
