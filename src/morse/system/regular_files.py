@@ -53,7 +53,8 @@ def open_regular(path: str | Path, most: int = sys.maxsize) -> BinaryIO:
 def read_regular(path: str | Path, most: int = SOURCE_LIMIT) -> bytes:
     """Return the content of a regular file, which counts for the model that is being read; see `open_regular`."""
     with open_regular(path, most) as file:
-        content = file.read(min(most, sys.maxsize - 1) + 1)
+        # a read of a number of bytes takes so much memory
+        content = file.read() if most == sys.maxsize else file.read(most + 1)
     if len(content) > most:
         raise _too_large(path, most)
     try:
