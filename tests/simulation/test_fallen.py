@@ -43,6 +43,19 @@ def test_a_robot_beyond_the_edge_of_the_floor_is_named_once(load: Load, caplog: 
     assert len(falls(caplog)) == 2
 
 
+def test_a_world_without_floor_is_named(load: Load, caplog: pytest.LogCaptureFixture, tmp_path: Path) -> None:
+    """A world of Gazebo whose ground is a model of an online library, which is not there."""
+    world = tmp_path / "bare.sdf"
+    world.write_text(
+        '<sdf version="1.9"><world name="w"><include><uri>https://fuel.gazebosim.org/1.0/a/models/Ground</uri></include>'
+        '<light type="directional" name="sun"/></world></sdf>'
+    )
+    simulation = load(f"robot = ATRV()\nenv = Environment({str(world)!r}, fastmode=True)\n", sockets=False)
+    simulation.step(180)
+    (line,) = falls(caplog)
+    assert line.endswith("bare.sdf' has no floor; F11 or the service simulation.reset begins again")
+
+
 def test_a_fall_onto_the_floor_is_not_reported(load: Load, caplog: pytest.LogCaptureFixture) -> None:
     simulation = load(
         """
