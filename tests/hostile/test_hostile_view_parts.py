@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from limited import eventually
+from test_hostile_pages import ALIVE, HELLO, _frame
+from test_hostile_pages import View as Server
 
 import morse
 from morse.builder import ATRV, Environment, FakeRobot
+from morse.core.declarations import properties
 from morse.viewer import live_view, page_messages
 from morse.viewer.editor.catalog import Catalog
+from morse.viewer.hub import Hub, Wishes
 from morse.viewer.live_view import View
+from morse.viewer.page import MOST_WAITING, Page
 from morse.viewer.page_messages import ViewEvent
 from morse.viewer.protocol import page_message_types
-from morse.viewer.view_messages import Answer, Models, Refused
+from morse.viewer.view_messages import Answer, Models, PropertyValue, Refused
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
@@ -275,9 +282,6 @@ def test_a_project_that_ends_the_list_is_named(tmp_path: Path, text: str) -> Non
 def test_a_page_that_the_server_cannot_process_is_named_and_others_stay(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    from test_hostile_pages import ALIVE, HELLO
-    from test_hostile_pages import View as Server
-
     server = Server()
     try:
         good = server.page(HELLO)
@@ -290,6 +294,88 @@ def test_a_page_that_the_server_cannot_process_is_named_and_others_stay(
         with server.page(HELLO):
             eventually(lambda: len(server.hub._pages) == 2)
         good.close()
+    finally:
+        server.server.stop()
+        server.network.stop()
+
+
+def _is_forgotten(hub: Hub, name: str) -> bool:
+    return not any(name in subject for subject in list(hub._lasting))
+
+
+def test_pages_hear_nothing_of_robots_that_clients_have_deleted(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Messages about each robot that ever was were kept, and no page could connect after some hundred of them."""
+    hub = desk.view._server._hub
+    kept = []
+    monkeypatch.setattr(desk.view._server, "send", type(desk.view._server).send.__get__(desk.view._server))
+    hub._pages.clear()
+    page = SimpleNamespace(drawn=True, show=lambda _: False, tell=lambda *_: None, hopeless=False)
+    for number in range(6):
+        name = f"guest{number}"
+        desk.simulation.spawn(name, "ATRV", (3.0, 0.0, 0.2))
+        hub._pages[1] = page  # type: ignore[assignment]
+        hub.wishes = Wishes(values=frozenset((name, "robot")), overlays=frozenset((name,)))
+        desk.simulation.step(3)
+        desk.simulation.context.robots[name].active = False
+        desk.simulation.step(3)
+        eventually(partial(hub._lasting.__contains__, ("Activity", name)))
+        desk.simulation.delete(name)
+        desk.simulation.step(2)
+        eventually(partial(_is_forgotten, hub, name))
+        kept.append(len(hub._lasting))
+    hub._pages.clear()
+    assert kept == [kept[0]] * 6
+    assert any(subject[1:2] == ("robot",) for subject in hub._lasting)
+
+
+def test_a_page_begins_with_any_number_of_messages() -> None:
+    """A scene with many components has thousands: each page was disconnected as too slow."""
+    page = Page(1, SimpleNamespace())  # type: ignore[arg-type]
+    page.begin({("PropertyValue", "robot", str(number)): "{}" for number in range(3 * MOST_WAITING)})
+    assert not page.hopeless
+    for _ in range(MOST_WAITING):
+        page.tell(None, "{}")
+    assert not page.hopeless
+    page.tell(None, "{}")
+    assert page.hopeless
+
+
+def test_a_page_that_watches_many_properties_gets_them_in_parts(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("morse.viewer.feeds.states._MOST_TOLD", 1)
+    robot = desk.simulation.context.robots["robot"]
+    count = len(properties(type(robot))) * 2
+    desk.view._server._hub.wishes = Wishes(values=frozenset(("robot", "other")))
+    told: list[PropertyValue] = []
+    for _ in range(count):
+        desk.sent.clear()
+        desk.simulation.step()
+        told += (new := [one for one in desk.sent if isinstance(one, PropertyValue)])
+        assert len({one.component for one in new}) <= 1
+    assert {one.component for one in told} == {"robot", "other"}
+
+
+def _answer(page: socket.socket) -> bool:
+    """Whether a page is welcome; otherwise it is told why not."""
+    data = b""
+    while not (b'"welcome"' in data or b"pages already" in data):
+        part = page.recv(1 << 16)
+        assert part, data
+        data += part
+    return b'"welcome"' in data
+
+
+def test_pages_that_say_hello_together_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("morse.viewer.hub.MOST_PAGES", 3)
+    server = Server()
+    try:
+        pages = [server.page() for _ in range(8)]  # all are let in, because none has said hello
+        eventually(lambda: len(server.hub._acceptor.connections) == 8)
+        for page in pages:
+            page.sendall(_frame(HELLO))
+        answers = [_answer(page) for page in pages]
+        assert answers.count(True) == len(server.hub._pages) == 3
+        for page in pages:
+            page.close()
     finally:
         server.server.stop()
         server.network.stop()

@@ -26,10 +26,10 @@ from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, de
 from morse.viewer.requests import MOST_REQUESTS, PageLeft, Requests
 from morse.viewer.seat import Seat
 from morse.viewer.site import Site, refuse
-from morse.viewer.view_messages import Answer, Refused, Welcome
+from morse.viewer.view_messages import OF_COMPONENTS, Answer, Refused, Welcome
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Set
 
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.http11 import Request, Response
@@ -158,6 +158,16 @@ class Hub:
             if page.hopeless:
                 page.connection.transport.abort()
 
+    def forget(self, names: Set[str]) -> None:
+        """Drop the lasting messages about components that exist no longer, and about what was below them.
+
+        Clients spawn and delete any number of them.
+        """
+        of_components = [subject for subject in self._lasting if subject[0] in OF_COMPONENTS]
+        gone = [one for one in of_components if not names.isdisjoint((one[1], one[1].partition(".")[0]))]
+        for subject in gone:
+            del self._lasting[subject]
+
     def show(self, poses: bytes) -> None:
         """Send the newest poses to all pages. A page that is not ready gets these or newer poses later."""
         broadcast([page.connection for page in self._pages.values() if page.show(poses)], poses)
@@ -225,13 +235,15 @@ class Hub:
             reason = f"This page has version {hello.version} of the protocol, the simulator {VERSION}: reload the page"
             await connection.close(Close.OTHER_VERSION, reason)
             return None
+        if len(self._pages) >= MOST_PAGES:  # others have said hello since this one was let in
+            await connection.close(Close.FULL, f"There are {MOST_PAGES} pages already: close some")
+            return None
         self._numbers += 1
         page = Page(self._numbers, connection)
         self._pages[page.number] = page
         self.seat.enter(page.number)
         self._tell(page, Welcome(VERSION, page.number, self._title))
-        for subject, frame in self._lasting.items():
-            page.tell(subject, frame)
+        page.begin(self._lasting)
         self._seat_changed()
         return page
 

@@ -143,6 +143,7 @@ class View(Observer):
         self._last_frame = self._last_pace = self._last_tick = self._next_world = 0.0
         self._listening: str | None = None
         self._told_names: list[str] = []
+        self._known_names: set[str] = set()
         self._images: dict[str, Image | None] = {}
         self._commands = Commands(context)
         self._services = ServiceCalls(context, server, self._commands)
@@ -385,6 +386,9 @@ class View(Observer):
 
     def _tell_components(self) -> None:
         self._told_names = self._names()
+        gone, self._known_names = self._known_names.difference(self._told_names), set(self._told_names)
+        if gone:
+            self._server.forget(gone)
         self._states.restarted()
         self._server.send(Tree(component_tree(self._simulation.context)))
 

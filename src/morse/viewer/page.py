@@ -10,6 +10,8 @@ from websockets.exceptions import ConnectionClosed
 from morse.core.clients.budget import Budget
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from websockets.asyncio.server import ServerConnection
 
     from morse.viewer.page_messages import Watch
@@ -19,7 +21,7 @@ WINDOW = 15
 """Maximum number of pose frames in transit to a page: a quarter of a second."""
 
 MOST_WAITING = 5000
-"""Maximum number of messages that wait for a page; a slower page is disconnected."""
+"""Maximum number of messages that wait for a page, besides those that it began with; a slower page is disconnected."""
 
 
 class Page:
@@ -43,6 +45,7 @@ class Page:
         self.memory = Budget()
         self._waiting: dict[Subject | int, str | bytes] = {}
         self._unique = 0
+        self._most_waiting = MOST_WAITING
         self._poses: bytes | None = None
         self._frame_count = 0
         self._receipts = 0
@@ -86,7 +89,13 @@ class Page:
     @property
     def hopeless(self) -> bool:
         """Whether it is so far behind that it cannot catch up."""
-        return len(self._waiting) > MOST_WAITING or self.memory.left < 0
+        return len(self._waiting) > self._most_waiting or self.memory.left < 0
+
+    def begin(self, messages: Mapping[Subject, str | bytes]) -> None:
+        """Queue the lasting messages, of which a scene with many components has thousands."""
+        self._waiting.update(messages.items())
+        self._most_waiting = MOST_WAITING + len(messages)
+        self._wake.set()
 
     async def send_forever(self) -> None:
         """Send queued messages until the connection is closed."""

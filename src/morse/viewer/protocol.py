@@ -39,6 +39,7 @@ class Close(IntEnum):
 
     OTHER_VERSION = 4000
     NOT_UNDERSTOOD = 4001
+    FULL = 4002
 
 
 class NotUnderstood(ValueError):

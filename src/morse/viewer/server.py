@@ -22,7 +22,7 @@ from morse.viewer.snapshot import pack_snapshot
 from morse.viewer.view_messages import Answer, World
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Sequence, Set
 
     from morse.core.clients.network import Network
     from morse.scene import Scene
@@ -191,6 +191,10 @@ class ViewServer:
         elif message.lasting or self._hub.watched:
             self._messages.append((message.subject(), encode_server_message(message), message.lasting))
             self._post()
+
+    def forget(self, names: Set[str]) -> None:
+        """Components exist no longer: pages that connect later hear nothing of them."""
+        self._network.post(self._hub.forget, names)
 
     def _post(self) -> None:
         with self._lock:

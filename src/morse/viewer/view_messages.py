@@ -440,3 +440,13 @@ class SceneChanges(ServerMessage, frozen=True):
     last: str
     waiting: list[str]
     file: str
+
+
+OF_COMPONENTS = frozenset(
+    kind.__name__
+    for kind in globals().values()
+    if isinstance(kind, type)
+    and issubclass(kind, ServerMessage)
+    and (kind._about or ("",))[0] in ("component", "camera", "node")
+)
+"""The names of the messages about one component: the first part of the subject is the message, the second its name."""

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from morse.viewer.server import ViewServer
 
 
+#: number of properties that are sent at once, to all pages: one that watches thousands of them must not make the others
+#: wait
+_MOST_TOLD = 500
+
+
 class StatesFeed:
     """Compares the states of components with the states that were last sent."""
 
@@ -54,19 +59,23 @@ class StatesFeed:
                 if now is not earlier:
                     self._server.send(Activity(name, now))
             self._active = active
+        left = _MOST_TOLD
         for name in self._server.wishes.values:
             component = self._context.components.get(name) or self._context.robots.get(name)
-            if component is not None:
-                self._tell_properties(name, component)
+            if component is not None and left > 0:
+                left -= self._tell_properties(name, component)
         self.tell_capturing()
 
-    def _tell_properties(self, name: str, component: Component) -> None:
-        values = self._values.setdefault(name, {})
+    def _tell_properties(self, name: str, component: Component) -> int:
+        """Send the changed properties of a component, and return their number."""
+        values, count = self._values.setdefault(name, {}), 0
         for python_name, prop in properties(type(component)).items():
             value = getattr(component, python_name)
             if prop.name not in values or values[prop.name] != value:
                 values[prop.name] = value
                 self._server.send(PropertyValue(name, prop.name, value))
+                count += 1
+        return count
 
     def tell_capturing(self) -> None:
         """Send whether cameras capture images."""
