@@ -70,12 +70,12 @@ def vector(steps: int) -> tuple[float, float, float]:
         env.reset(seed=0)
         rng = np.random.default_rng(0)
         actions = rng.uniform(-1.0, 1.0, (steps, *env.action_space.shape)).astype(np.float32)
-        begin, theirs = time.process_time(), _processor_time(env._processes[0].pid)
+        begin, theirs = time.process_time(), _processor_time(env._parts.workers[0].pid)
         for action in actions:
             env.step(action)
         own[workers] = (time.process_time() - begin) / steps
         if workers == 1:
-            work = (_processor_time(env._processes[0].pid) - theirs) / steps
+            work = (_processor_time(env._parts.workers[0].pid) - theirs) / steps
         env.close()
     worker = max((own[4] - own[1]) / 3.0, 0.0)
     return work, max(own[1] - worker, 0.0), worker

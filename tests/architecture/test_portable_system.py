@@ -53,8 +53,8 @@ _GUARD = re.compile(
     r"hasattr\(|getattr\(|sys\.platform|os\.name\b|platform\.system\(|\.is_dir\(|isdir\(|exists\(|S_ISSOCK\("
 )
 _CAUGHT = {"ImportError", "AttributeError", "OSError", "NotImplementedError", "Exception"}
-#: used only where processes can be copied, as `morse.many.pool.can_fork` says
-_COPIES = {f"src/morse/many/{name}.py" for name in ("forking", "pool", "worker")}
+#: used only where processes can be copied, as `morse.system.workers.can_fork` says
+_COPIES = {"src/morse/many/forking.py"}
 _WORDS = _MODULES.union(_METHODS, _ARGUMENTS, *_ATTRIBUTES.values(), ["get_context", "set_start_method"])
 #: files without these words, most of them, need not be parsed
 _SUSPECT = re.compile(rf"(?<!def )\b({'|'.join(_WORDS)})\b|['\"]/(proc|dev|etc|tmp|sys|var|usr)\b")

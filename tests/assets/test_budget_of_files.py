@@ -22,6 +22,7 @@ from morse.recording.errors import RecordingError
 from morse.recording.mcap import reader, records
 from morse.system import budget
 from morse.system.pictures import MOST_PIXELS, open_picture, orientation_of
+from morse.system.workers import Worker
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -125,8 +126,8 @@ def test_pictures_within_a_gltf_are_decoded_by_the_process_as_well(tmp_path: Pat
 
 def test_one_process_decodes_the_pictures_of_a_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     started = []
-    worker = budget.WorkerProcess
-    monkeypatch.setattr(budget, "WorkerProcess", lambda *a, **k: started.append(worker(*a, **k)) or started[-1])
+    start = Worker.program
+    monkeypatch.setattr(Worker, "program", lambda *a, **k: started.append(start(*a, **k)) or started[-1])
     assert seen(robot(tmp_path, 4, ".tga", "TGA")) == 4
     (only,) = started
     with pytest.raises(ProcessLookupError):

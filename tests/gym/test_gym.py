@@ -553,8 +553,8 @@ def test_a_page_shows_a_single_environment_and_agents():
 
 
 SPAWNED = """
-import morse.system.worker_pool
-morse.system.worker_pool.kind_of_start = lambda: "spawn"  # as on systems that cannot copy processes
+import morse.system.workers
+morse.system.workers.kind_of_start = lambda: "spawn"  # as on systems that cannot copy processes
 import morse.gym
 from morse.gym.reach import Reach
 """

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 import pickle
 import struct
-from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 import morse
-from morse.rendering.workers import crew
-from morse.system.worker_process import WorkerProcess, receive
+from morse.rendering import workers
+from morse.system.workers import Worker, WorkerError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,27 +37,20 @@ ANSWERS = {
 }
 
 
-class Liar:
+class Liar(Worker):
     """A worker that gives one wrong answer, then works."""
 
     wrong: list[bytes | BaseException]
 
-    def __init__(self, *program: Any) -> None:
-        self._worker = WorkerProcess(*program)
-
-    def ask(self, message: bytes) -> bytes | bytearray:
+    def ask(self, question: bytes, patience: float | None = None) -> bytes:
         """See `Worker`."""
-        answer = self._worker.ask(message)
+        answer = super().ask(question, patience)
         if not self.wrong:
             return answer
         wrong = self.wrong.pop()
         if isinstance(wrong, BaseException):
             raise wrong
         return wrong
-
-    def close(self) -> None:
-        """See `Worker`."""
-        self._worker.close()
 
 
 @pytest.mark.parametrize("answer", [*ANSWERS.values(), MemoryError("out of memory")], ids=[*ANSWERS, "memory"])
@@ -66,7 +60,7 @@ def test_a_worker_that_answers_wrong_bytes_is_replaced(
     path = tmp_path / "scene.py"
     path.write_text(SCENE)
     monkeypatch.setattr(Liar, "wrong", [answer], raising=False)
-    monkeypatch.setattr(crew, "WorkerProcess", Liar)
+    monkeypatch.setattr(workers, "Worker", Liar)
     with morse.load(path, cameras_on=1) as simulation:
         simulation.step(10)
         image = np.asarray(simulation.robot.camera.get()["image"])
@@ -75,6 +69,24 @@ def test_a_worker_that_answers_wrong_bytes_is_replaced(
     assert image.size == 16 * 12 * 4
 
 
-def test_a_length_that_is_text_allocates_nothing() -> None:
-    with pytest.raises(EOFError, match="announced"):
-        receive(BytesIO(b"Segmentation fault\n"))
+@pytest.mark.parametrize(
+    "written", [b"Segmentation fault\n" * 3, struct.pack("!iQ", -1, 1 << 60), struct.pack("!i", 3) + b"abc"]
+)
+def test_what_is_written_into_the_connection_itself_is_no_answer(written: bytes) -> None:
+    ours, theirs = multiprocessing.Pipe()
+    worker = Worker(ours, None)
+    os.write(theirs.fileno(), written)
+    theirs.close()
+    with pytest.raises(WorkerError):
+        worker.receive()
+    worker.close()
+
+
+def test_what_a_program_prints_before_it_serves_is_no_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python itself executes files of the user when it starts."""
+    (tmp_path / "sitecustomize.py").write_text("import os; os.write(1, b'I am started\\n' * 1000)")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    (tmp_path / "scene.py").write_text(SCENE)
+    with morse.load(tmp_path / "scene.py", cameras_on=1) as simulation:
+        simulation.step(10)
+        assert np.asarray(simulation.robot.camera.get()["image"]).size == 16 * 12 * 4

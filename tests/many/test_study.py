@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -20,6 +21,7 @@ import pytest
 from morse.cli.sweep import ProgressLine
 from morse.many import Study, Table, choice, loguniform, normal, uniform
 from morse.many.executors import pack_size
+from morse.many.ledger import read_rows
 
 SCENE = """
 import os, signal, pathlib
@@ -309,6 +311,89 @@ def test_functions_within_a_function_are_forked(tmp_path):
 
     table = Study(scene, run, factor=[1, 2, 3]).run(tmp_path / "r", workers=2)
     assert table["result"] == [1, 2, 3]
+
+
+def test_runs_in_processes_that_are_no_copies(tmp_path, pids, monkeypatch):
+    """As on systems without copies: programs of their own, also for a script without a main guard."""
+    hashes = {row["run"]: row["hash"] for row in study_of(tmp_path).run(tmp_path / "inline", workers=0)}
+    before = len(list(pids.iterdir()))
+    monkeypatch.setattr("morse.many.executors.can_fork", lambda: False)
+    table = study_of(tmp_path).run(tmp_path / "r", workers=2)
+    assert {row["run"]: row["hash"] for row in table} == hashes
+    assert len(list(pids.iterdir())) > before
+
+
+def test_closures_are_limited_in_time_print_and_start_processes(tmp_path):
+    def scene():
+        from morse.builder import ATRV, Environment
+
+        ATRV("robot")
+        Environment("empty")
+
+    def run(sim, kind):
+        print("is this an answer?", flush=True)
+        os.write(1, b"\x00\xff\n" * 1000)
+        while kind == "endless":
+            sim.step()
+        context = multiprocessing.get_context("fork")
+        process = context.Process(target=time.sleep, args=(0,))
+        process.start()
+        process.join()
+        return process.exitcode
+
+    table = Study(scene, run, kind=["quick", "endless"], timeout=3.0).run(tmp_path / "r", workers=2)
+    assert table["result"] == [0, None]
+    assert "RunTimeout" in table[1]["error"]
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="the process table is that of Linux")
+def test_the_end_of_the_process_that_is_copied_is_named(tmp_path, pids):
+    study = study_of(
+        tmp_path,
+        SCENE
+        + """
+def run(sim, number):
+    stat = pathlib.Path(f"/proc/{os.getppid()}/cmdline").read_bytes()
+    assert b"morse.many.forking" in stat
+    os.kill(os.getppid(), signal.SIGKILL)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+study = Study(scene, run, number=range(3))
+""",
+    )
+    with pytest.raises(RuntimeError, match=r"the process that starts the workers has ended.*start the study again"):
+        study.run(tmp_path / "r", workers=1)
+
+
+def test_an_interruption_of_a_sweep_loses_nothing_that_is_done(tmp_path, pids):
+    """A signal at any moment: rows that were taken stay, and the same call goes on."""
+
+    class Alarm(Exception):
+        pass
+
+    def ring(*_):
+        raise Alarm
+
+    study, rounds = study_of(tmp_path), 0
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        while len(read_rows(tmp_path / "r")) < len(study) and rounds < 60:
+            rounds += 1
+            try:
+                signal.setitimer(signal.ITIMER_REAL, 0.3 + 0.15 * rounds)
+                table = study.run(tmp_path / "r", workers=2)
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
+            except Alarm:
+                continue
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert rounds > 1
+    table = study.run(tmp_path / "r", workers=2)
+    hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
+    assert {row["run"]: row["hash"] for row in table} == hashes
+    for pid in [int(file.name) for file in pids.iterdir() if int(file.name) != os.getpid()]:
+        wait_for(lambda: not alive(pid), "end of a worker")  # noqa: B023
 
 
 @pytest.mark.parametrize("workers", [0, 1])

@@ -87,8 +87,8 @@ def listen(simulation):
     return heard
 
 
-def crew(simulation):
-    return simulation.context.server(Renderer)._crew
+def pool(simulation):
+    return simulation.context.server(Renderer)._pool
 
 
 def change(simulation):
@@ -133,7 +133,7 @@ def test_a_worker_that_dies_is_replaced_without_a_gap(load):
     for _ in range(20):
         there.step(2)
         if there.clock.tick in (10, 20):
-            for worker in list(crew(there).workers):
+            for worker in list(pool(there).workers):
                 pids.add(worker.pid)
                 os.kill(worker.pid, signal.SIGKILL)
     assert images == expected
@@ -142,16 +142,16 @@ def test_a_worker_that_dies_is_replaced_without_a_gap(load):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="the system cannot stop a process")
 def test_a_worker_that_does_not_answer_is_replaced_without_a_gap(load, monkeypatch, caplog):
-    monkeypatch.setattr("morse.system.worker_process.PATIENCE", 2.0)
+    monkeypatch.setattr("morse.rendering.workers.PATIENCE", 5.0)
     here, there = load(0.1, names=["color"]), load(0.1, names=["color"], cameras_on=1)
     expected, images = listen(here), listen(there)
     here.step(20)
     there.step(10)
-    (worker,) = crew(there).workers
+    (worker,) = pool(there).workers
     os.kill(worker.pid, signal.SIGSTOP)
     there.step(10)
     assert images == expected
-    assert worker not in crew(there).workers
+    assert worker not in pool(there).workers
     assert "does not answer" in caplog.text
 
 
@@ -159,8 +159,8 @@ def test_simulations_share_workers_which_end_with_the_last(load):
     one, other = (load(names=["color"], cameras_on=1) for _ in range(2))
     one.step(4)
     other.step(4)
-    assert crew(one) is crew(other)
-    (worker,) = crew(one).workers
+    assert pool(one) is pool(other)
+    (worker,) = pool(one).workers
     one.close()
     other.step(4)
     assert _lives(worker.pid)
@@ -172,12 +172,12 @@ def test_a_restart_keeps_the_workers(load):
     simulation = load(names=["color"], more="env.cameras_on(1)")
     images = listen(simulation)
     simulation.step(8)
-    before = set(crew(simulation).workers)
+    before = set(pool(simulation).workers)
     simulation.restart()
     again = listen(simulation)
     simulation.robot.motion.publish({"v": 1.0, "w": 0.4})
     simulation.step(8)
-    assert before == crew(simulation).workers
+    assert before == pool(simulation).workers
     assert again == images
 
 
@@ -191,7 +191,7 @@ def test_no_worker_outlives_the_simulation(load, end, tmp_path):
         "from morse.rendering import Renderer\n"
         f"sim = morse.load({str(tmp_path / 'scene.py')!r}, cameras_on=2)\n"
         "sim.step(6)\n"
-        "print(*[worker.pid for worker in sim.context.server(Renderer)._crew.workers], flush=True)\n"
+        "print(*[worker.pid for worker in sim.context.server(Renderer)._pool.workers], flush=True)\n"
         f"{end}\n"
     )
     done = subprocess.run([sys.executable, program], capture_output=True, text=True, timeout=LIMIT)
@@ -202,7 +202,7 @@ def test_no_worker_outlives_the_simulation(load, end, tmp_path):
 
 
 def test_a_simulation_without_cameras_starts_no_process(load):
-    assert crew(load(names=[], cameras_on=2)) is None
+    assert pool(load(names=[], cameras_on=2)) is None
 
 
 @pytest.mark.parametrize("place", ["proceses", -1, 1.5, True, 100000])
@@ -235,16 +235,16 @@ def test_a_cluster_renders_the_same_images_also_when_its_processes_die(cluster, 
     expected, images = listen(here), listen(there)
     change(here)
     there.step(12)
-    workers = set(crew(there).workers)
+    workers = set(pool(there).workers)
     for worker in workers:
-        cluster.kill(worker._easel)
+        cluster.kill(worker.actor)
     there.robot.set_color((0.9, 0.1, 0.1))
     there.step(6)
     there.rpc("simulation", "set_object_visibility", "Box", False, True)
     there.step(6)
     assert images == expected
-    assert crew(there).workers.isdisjoint(workers)
-    assert len(crew(there).workers) <= 2
+    assert pool(there).workers.isdisjoint(workers)
+    assert len(pool(there).workers) <= 2
 
 
 def test_without_ray_the_error_names_the_extra(load, monkeypatch):

@@ -21,7 +21,7 @@ from morse.gym.env import check_render_mode
 from morse.gym.values import Observation, joined
 from morse.gym.vector import METADATA, Rows, check_over, mask_of, mode_of
 from morse.many.rows import only_row_of, seeds_of
-from morse.system.worker_pool import GRACE, Worker, WorkerError, WorkerPool, close_all
+from morse.system.workers import Server, Worker, WorkerError, WorkerPool, close_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 
 T = TypeVar("T")
+#: wall-clock time for a step that is under way when a vector is closed, s
+_PATIENCE = 0.1
 #: why a process may end at once, where processes cannot be copied
 _MAIN = "a program that starts processes does so below `if __name__ == '__main__':` (needed on Windows and macOS)"
 
@@ -94,7 +96,7 @@ class _Shared:
             self.memory.unlink()
 
 
-class _Part:
+class _Part(Server):
     """The rows of one process, which answers questions about them."""
 
     def __init__(self, task: Task | Callable[[], Task], place: slice, mode: AutoresetMode) -> None:
@@ -111,7 +113,7 @@ class _Part:
             first, last = self._place.start, self._place.stop - 1
             return pickle.dumps((False, f"in the process of the rows {first} to {last}: {describe(error)}"))
 
-    def open(self) -> tuple[Any, ...]:
+    def load(self) -> tuple[Any, ...]:
         """Load the simulations; return the spaces of a row."""
         self._rows = Rows(self._task, self._place.stop - self._place.start, self._place.start, self._mode)
         return self._rows.episodes.observation_space, self._rows.episodes.action_space
@@ -177,7 +179,7 @@ class _Parts:
         # rows whose process has ended go on with new seeds: those of the start would do the same again
         self._seeds = np.random.default_rng([len(places), self._count])
 
-    def open(self) -> tuple[Any, ...]:
+    def load(self) -> tuple[Any, ...]:
         """Start the processes that are not there; return the spaces of a row, and the numbers of these processes."""
         # before the processes start, which else have trackers of their own that remove the memory when they end
         resource_tracker.ensure_running()
@@ -188,7 +190,7 @@ class _Parts:
             for number in new:
                 self.workers[number] = self._start(self._places[number])
             if new:
-                self._spaces = self._ask("open", dict.fromkeys(new, ()))[0]
+                self._spaces = self._ask("load", dict.fromkeys(new, ()))[0]
                 self._shared = self._shared or _Shared(*self._spaces, self._count)
                 self._ask("share", dict.fromkeys(new, (self._count, self._shared.memory.name)))
         except BaseException:
@@ -223,7 +225,7 @@ class _Parts:
                 good, answer = pickle.loads(self.workers[number].receive())
             except WorkerError as cause:
                 first, last = self._places[number].start, self._places[number].stop - 1
-                mend = _MAIN if order == "open" else "reset() starts another one"
+                mend = _MAIN if order == "load" else "reset() starts another one"
                 good, answer = False, f"the process of the rows {first} to {last} has ended{cause}; {mend}"
             (answers if good else problems).append(answer)
         if problems:
@@ -243,7 +245,7 @@ class _Parts:
 
     def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:
         """Begin episodes in the rows of a mask, and in those of processes that had ended."""
-        *_, new = self.open()
+        *_, new = self.load()
         arguments: dict[int, tuple[object, ...]] = {}
         for number, place in enumerate(self._places):
             own = None if seeds is None else seeds[place]
@@ -278,10 +280,14 @@ class _Parts:
 
     def close(self) -> None:
         """End the processes, and release the memory."""
-        workers, self.workers = self.workers, {}
-        close_all(workers.values())
+        close_all(self.workers.values())
         if self._shared is not None:
             self._shared.close(unlink=True)
+
+    def kill(self) -> None:
+        """End the processes at once."""
+        for worker in list(self.workers.values()):
+            worker.kill()
 
 
 class WorkersVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
@@ -311,9 +317,9 @@ class WorkersVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
         self._parts = parts = _Parts(task, list(itertools.starmap(slice, itertools.pairwise(edges))), mode)
         self._pool = WorkerPool(1, lambda: parts)
         # also at the end of a program that does not close it
-        self._end = weakref.finalize(self, _end, self._pool, parts)
+        self._end = weakref.finalize(self, self._pool.close, _PATIENCE)
         try:
-            self.single_observation_space, self.single_action_space, _ = self._pool.call(_Parts.open)
+            self.single_observation_space, self.single_action_space, _ = self._pool.call(_Parts.load)
         except BaseException:
             self._end()
             raise
@@ -350,11 +356,3 @@ class WorkersVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
     def close_extras(self, **kwargs: object) -> None:
         """End the processes."""
         self._end()
-
-
-def _end(pool: WorkerPool[_Parts], parts: _Parts) -> None:
-    """End the processes of a vector, and release the memory that they share; one that still works is not waited for."""
-    if not pool.close(0.1):
-        for worker in list(parts.workers.values()):
-            worker.kill()
-        pool.close(GRACE)

@@ -1,63 +1,53 @@
-"""A process that has loaded the scene of a study, and starts workers as copies of itself.
+"""The program that does runs for a driver: ``python -m morse.many.forking``.
 
-It is a program of its own, so that a driver with threads, or without ``if __name__ == "__main__"``, can use it:
-``python -m morse.many.forking CONTROL LIFELINE``, the descriptors of a socket and of a pipe. The socket first carries
-the description of the study, then one descriptor for each worker that is wanted.
+It has loaded the scene of a study, and starts workers as copies of itself; on systems without copies it is the worker.
+A program of its own, it serves a driver with threads, or without ``if __name__ == "__main__"``. The driver first sends
+the description of the study, then one end of a connection for each worker that it wants.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
-import os
 import signal
-import socket
 import sys
+from multiprocessing import reduction
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING
 
 from morse.launch.load import load
+from morse.many.executors import StudyServer
 from morse.many.study import Study
-from morse.many.worker import end_child, fork_worker, has_ended
+from morse.system.workers import GRACE, end_all, program_connection, serve, start_copy
 
-_MOST = 1 << 24
+if TYPE_CHECKING:
+    from multiprocessing.process import BaseProcess
 
 
-def main(control: int, lifeline: int) -> None:
-    """Load a study, and fork until the driver closes the socket."""
+def main() -> None:
+    """Load a study, and serve until the driver closes the connection."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    children: set[int] = set()
-    with socket.socket(fileno=control) as connection:
-        description, paths = json.loads(_line(connection))
-        sys.path[:] = paths
-        study = Study.of(description)
-        # a scene that cannot be loaded is a result of its runs
-        with contextlib.suppress(Exception):
-            run = next(study.runs())
-            load(study.scene_of(run), seed=run.seed, arguments=study.arguments_of(run)).close()
+    connection = program_connection()
+    description, paths, copies_itself = json.loads(connection.recv_bytes())
+    sys.path[:] = paths
+    study = Study.of(description)
+    # a scene that cannot be loaded is a result of its runs
+    with contextlib.suppress(Exception):
+        run = next(study.runs())
+        load(study.scene_of(run), seed=run.seed, arguments=study.arguments_of(run)).close()
+    connection.send_bytes(b"loaded")
+    if not copies_itself:
+        serve(connection, lambda: StudyServer(study))
+        return
+    copies: list[BaseProcess] = []
+    with contextlib.suppress(EOFError, OSError):
         while True:
-            word, descriptors, _, _ = socket.recv_fds(connection, 1, 1)
-            children = {child for child in children if not has_ended(child)}
-            if not word:
-                for child in children:
-                    end_child(child)
-                return
-            for descriptor in descriptors:
-                theirs = socket.socket(fileno=descriptor)
-                children.add(fork_worker(study, theirs, lifeline, [connection]))
-                theirs.close()
-
-
-def _line(connection: socket.socket) -> bytes:
-    data = b""
-    while not data.endswith(b"\n") and len(data) < _MOST:
-        # byte for byte at the end would lose descriptors: the driver sends these only after an answer
-        part = connection.recv(1 << 16)
-        if not part:
-            sys.exit(1)
-        data += part
-    connection.sendall(b"\n")
-    return data
+            with Connection(reduction.recv_handle(connection)) as theirs:
+                copies = [copy for copy in copies if copy.is_alive()]
+                copies.append(start_copy(theirs, StudyServer, study, daemon=False))
+    # sooner than the driver kills this process
+    end_all(copies, GRACE / 2.0)
 
 
 if __name__ == "__main__":
-    os.environ["MORSE_THREADS"] = "1"
-    main(int(sys.argv[1]), int(sys.argv[2]))
+    main()

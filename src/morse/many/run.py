@@ -50,6 +50,13 @@ class Run(NamedTuple):
     seed: int
 
 
+class Task(NamedTuple):
+    """One run, and the path of its recording or None."""
+
+    run: Run
+    record: str | None = None
+
+
 def name_of(identity: Row, parameters: Row, seed: int) -> str:
     """Return the name of a run: the first twelve digits of the SHA-256 of all that it depends on.
 

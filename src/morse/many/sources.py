@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.system.regular_files import read_regular
+from morse.system.regular_files import open_regular, read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -133,7 +133,8 @@ class _Code:
         """Return the digest of all."""
         digest = self._digest.copy()
         for file in sorted(self._files):
-            digest.update(file.name.encode() + b"\0" + read_regular(file, sys.maxsize) + b"\0")
+            with open_regular(file) as content:
+                digest.update(file.name.encode() + b"\0" + content.read() + b"\0")
         return digest.hexdigest()
 
     def _note(self, *words: object) -> None:

@@ -7,20 +7,21 @@ import os
 import time
 from collections import Counter, deque
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from morse.many.executors import ExecutorPool, InlinePool, processes
+from morse.many.executors import Dispatcher, Elsewhere, Here, Processes
 from morse.many.ledger import ROWS, Ledger, read_facts
-from morse.many.pool import Pool, Task, can_fork
 from morse.many.progress import Progress
-from morse.many.run import machine_facts, signature
+from morse.many.run import Task, machine_facts, signature
 from morse.many.summary import write_summary
 from morse.many.table import Table
+from morse.system.workers import can_fork
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from concurrent.futures import Executor
 
+    from morse.many.executors import Doer
     from morse.many.run import Run, Runs
     from morse.many.values import Row
 
@@ -125,27 +126,23 @@ class Driver:
         if not self._waiting:
             return
         last = time.monotonic()
-        with self._pool(executor) as pool:
-            while self._waiting or pool.is_busy:
-                while self._waiting and pool.has_room:
-                    pool.submit(self._waiting.popleft())
-                for task, row in pool.results(_REPORT):
-                    self._take(task, row, getattr(pool, "problem", ""))
+        with Dispatcher(self._doer(executor), self._left) as runs:
+            while self._waiting or runs.is_busy:
+                while self._waiting and runs.has_room:
+                    runs.submit(self._waiting.popleft())
+                for task, row in runs.results(_REPORT):
+                    self._take(task, row, runs.problem)
                 if time.monotonic() - last > _REPORT:
                     last = time.monotonic()
                     self._tell()
         self._tell()
 
-    def _pool(self, executor: Executor | None) -> Any:
+    def _doer(self, executor: Executor | None) -> Doer:
         if executor is not None:
-            return ExecutorPool(self._study, lambda: executor, self._workers or 1, self._left, restarts=False)
-        if self._workers == 0:
-            return InlinePool(self._study)
-        if can_fork():
-            return Pool(self._study, min(self._workers, len(self._waiting)))
-        if self._study.description() is None:
-            return InlinePool(self._study)
-        return ExecutorPool(self._study, lambda: processes(self._workers), self._workers, self._left, restarts=True)
+            return Elsewhere(self._study, executor, self._workers or 1)
+        if self._workers == 0 or (self._study.description() is None and not can_fork()):
+            return Here(self._study)
+        return Processes(self._study, min(self._workers, len(self._waiting)))
 
     def _left(self) -> int:
         return len(self._waiting)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from morse.rendering.picture import Picture
     from morse.rendering.request import Placed
     from morse.rendering.shot import Shot
-    from morse.rendering.workers.crew import Crew
+    from morse.rendering.workers import ImagePool
 
 #: maximum number of ticks whose images are not complete, which limits the memory for their poses
 _MOST = 4
@@ -83,7 +83,7 @@ class Renderer:
         self._simplified = False
         self._beside = Beside()
         self._workers: int | str = 0
-        self._crew: Crew | None = None
+        self._pool: ImagePool | None = None
         self._end_workers: Callable[[], object] = _nothing
         # within a tick, there may be no file descriptor left for imports
         Pillow.preinit()
@@ -96,14 +96,14 @@ class Renderer:
         self._workers = workers
         if workers:
             # imported on demand, because few simulations need it
-            from morse.rendering.workers.crew import crews
+            from morse.rendering.workers import pools
 
-            self._crew, give_back = crews.borrow(workers)
+            self._pool, give_back = pools.borrow(workers)
             self._end_workers = weakref.finalize(self, give_back)
 
     def close(self) -> None:
         """End the workers, if no other simulation needs them."""
-        self._workers, self._crew, end = 0, None, self._end_workers
+        self._workers, self._pool, end = 0, None, self._end_workers
         self._end_workers = _nothing
         end()
 
@@ -135,8 +135,8 @@ class Renderer:
         if not active_requests:
             return
         stage = self._stage_for(active_requests)
-        if self._crew is not None:
-            self._begin(self._crew, stage, active_requests)
+        if self._pool is not None:
+            self._begin(self._pool, stage, active_requests)
             return
         now = [request for request in active_requests if not request.beside]
         if now:
@@ -147,7 +147,7 @@ class Renderer:
             self._begin(self._beside, stage, later)
 
     @staticmethod
-    def _begin(drawing: Beside | Crew, stage: Stage, requests: Sequence[CameraRequest]) -> None:
+    def _begin(drawing: Beside | ImagePool, stage: Stage, requests: Sequence[CameraRequest]) -> None:
         orders = [order_of(request) for request in requests]
         for request, shot in zip(requests, drawing.begin(stage, stage.note(orders), orders), strict=True):
             request.shot = shot
@@ -160,10 +160,10 @@ class Renderer:
         stage = self._stage_for(active_requests)
         orders = [order_of(request) for request in active_requests]
         instant = stage.note(orders)
-        if self._crew is None:
+        if self._pool is None:
             stage.draw(instant, orders)
             return
-        for shot in self._crew.begin(stage, instant, orders):
+        for shot in self._pool.begin(stage, instant, orders):
             shot.picture()
 
     def _stage_for(self, requests: Sequence[CameraRequest]) -> Stage:

@@ -11,10 +11,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
-from morse.system.worker_process import WorkerProcess, bare_environment
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from morse.system.workers import Worker
 
 #: bytes that are read from files; each file of a model is read one to three times
 MOST_BYTES = 8 << 30
@@ -34,7 +34,7 @@ class Budget:
 
     def __init__(self) -> None:
         self._bytes, self._pixels, self._seconds = MOST_BYTES, MOST_PIXELS, MOST_SECONDS
-        self._decoder: WorkerProcess | None = None
+        self._decoder: Worker | None = None
 
     def take_bytes(self, count: int) -> None:
         """Count bytes that are read.
@@ -65,12 +65,15 @@ class Budget:
         """
         if self._seconds <= 0.0:
             raise BudgetError(f"decoding the pictures of the model takes more than {MOST_SECONDS:g} s")
+        # imported on demand, because few files have such pictures
+        from morse.system.workers import Worker, WorkerError, bare_environment
+
         if self._decoder is None:
-            self._decoder = WorkerProcess(_DECODER, bare_environment(), PATIENCE, is_silent=True)
+            self._decoder = Worker.program(_DECODER, bare_environment(), is_silent=True)
         begin = time.monotonic()
         try:
-            return bytes(self._decoder.ask(data))
-        except (EOFError, OSError):
+            return self._decoder.ask(data, PATIENCE)
+        except WorkerError:
             self.close()
             raise BudgetError(f"decoding it takes more than {PATIENCE:g} s, or more memory than it may") from None
         finally:

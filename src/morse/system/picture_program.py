@@ -11,7 +11,7 @@ import io
 
 from morse.system.budget import MOST_MEMORY, MOST_SECONDS
 from morse.system.pictures import load_readers, opened
-from morse.system.worker_process import limit_resources, serve
+from morse.system.workers import Server, limit_resources, serve_program
 
 #: pixels of a picture
 _MOST_PIXELS = 1 << 26
@@ -19,33 +19,36 @@ _MOST_PIXELS = 1 << 26
 _PNG, _TIFF = ("1", "L", "LA", "I;16", "P", "RGB", "RGBA"), ("I", "F", "I;16B")
 
 
-def answer(message: bytearray) -> bytes:
-    """Decode a picture."""
-    try:
-        with opened(bytes(message)) as picture:
-            if picture.width * picture.height > _MOST_PIXELS:
-                raise ValueError(f"it has {picture.width} x {picture.height} pixels, more than {_MOST_PIXELS}")
-            picture.load()
-            plain = picture
-            if picture.mode not in (*_PNG, *_TIFF):
-                plain = picture.convert("RGBA" if "A" in picture.getbands() else "RGB")
-            for name in ("icc_profile", "exif", "xmp", "comment"):
-                plain.info.pop(name, None)
-            result = io.BytesIO()
-            if plain.mode in _TIFF:
-                plain.save(result, "TIFF")
-            else:
-                plain.save(result, "PNG", compress_level=1)
-            return b"\1" + result.getvalue()
-    except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
-        return b"\0" + f"{error!s:.100}".encode()
+class Decoder(Server):
+    """Decodes pictures."""
+
+    def answer(self, question: bytes) -> bytes:
+        """Decode a picture."""
+        try:
+            with opened(question) as picture:
+                if picture.width * picture.height > _MOST_PIXELS:
+                    raise ValueError(f"it has {picture.width} x {picture.height} pixels, more than {_MOST_PIXELS}")
+                picture.load()
+                plain = picture
+                if picture.mode not in (*_PNG, *_TIFF):
+                    plain = picture.convert("RGBA" if "A" in picture.getbands() else "RGB")
+                for name in ("icc_profile", "exif", "xmp", "comment"):
+                    plain.info.pop(name, None)
+                result = io.BytesIO()
+                if plain.mode in _TIFF:
+                    plain.save(result, "TIFF")
+                else:
+                    plain.save(result, "PNG", compress_level=1)
+                return b"\1" + result.getvalue()
+        except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
+            return b"\0" + f"{error!s:.100}".encode()
 
 
 def main() -> None:
     """Decode the pictures of the process that has started this one."""
     load_readers()
     limit_resources(MOST_SECONDS, MOST_MEMORY)
-    serve(answer)
+    serve_program(Decoder, watches=False)
 
 
 if __name__ == "__main__":

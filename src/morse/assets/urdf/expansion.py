@@ -17,7 +17,7 @@ from morse.assets.nearby_files import FOLDERS, FileRefusedError, find_near, find
 from morse.assets.urdf.xacro_limits import TIME_LIMIT
 from morse.assets.xml_files import parse_xml, read_xml
 from morse.system.extras import install
-from morse.system.worker_process import WorkerProcess, bare_environment
+from morse.system.workers import Worker, WorkerError, bare_environment
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -95,10 +95,10 @@ def _expanded(path: Path) -> bytes:
     question = {"path": str(path.absolute()), "arguments": ARGUMENTS.get({})}
     folders = {name: os.environ[name] for name in FOLDERS if name in os.environ}
     begin = time.monotonic()
-    worker = WorkerProcess(_PROGRAM, {**bare_environment(), **folders}, TIME_LIMIT, is_silent=True)
+    worker = Worker.program(_PROGRAM, {**bare_environment(), **folders}, is_silent=True)
     try:
-        answer = json.loads(worker.ask(json.dumps(question).encode()))
-    except (EOFError, OSError, ValueError):
+        answer = json.loads(worker.ask(json.dumps(question).encode(), TIME_LIMIT))
+    except (WorkerError, ValueError):
         if time.monotonic() - begin > TIME_LIMIT:
             raise AssetError(path, f"xacro needs more than {TIME_LIMIT:g} s to expand it") from None
         raise AssetError(path, "xacro cannot expand it: its process ended, perhaps without memory") from None

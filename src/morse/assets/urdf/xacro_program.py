@@ -12,7 +12,7 @@ from pathlib import Path
 
 from morse.assets.nearby_files import FileRefusedError, find_package
 from morse.assets.urdf.xacro_limits import MOST_MEMORY, TIME_LIMIT, limit
-from morse.system.worker_process import limit_resources, serve
+from morse.system.workers import Server, limit_resources, serve_program
 
 
 def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
@@ -47,16 +47,19 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
     return {"text": document.toxml()}
 
 
-def answer(message: bytearray) -> bytes:
-    """Expand the file of a question."""
-    question = json.loads(message)
-    return json.dumps(expand(Path(question["path"]), question["arguments"])).encode()
+class Expansion(Server):
+    """Expands files."""
+
+    def answer(self, question: bytes) -> bytes:
+        """Expand the file of a question."""
+        about = json.loads(question)
+        return json.dumps(expand(Path(about["path"]), about["arguments"])).encode()
 
 
 def main() -> None:
     """Expand the files of the process that has started this one."""
     limit_resources(TIME_LIMIT, MOST_MEMORY)
-    serve(answer)
+    serve_program(Expansion, watches=False)
 
 
 if __name__ == "__main__":

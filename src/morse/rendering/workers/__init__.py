@@ -1,1 +1,0 @@
-"""Processes that render the images of cameras while the simulation continues."""
