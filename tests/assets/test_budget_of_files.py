@@ -128,7 +128,7 @@ def test_one_process_decodes_the_pictures_of_a_model(tmp_path: Path, monkeypatch
     started = []
     start = Worker.program
     monkeypatch.setattr(Worker, "program", lambda *a, **k: started.append(start(*a, **k)) or started[-1])
-    assert seen(robot(tmp_path, 4, ".tga", "TGA")) == 4
+    assert seen(robot(tmp_path, 4, ".bmp", "BMP")) == 4
     (only,) = started
     with pytest.raises(ProcessLookupError):
         os.kill(only.pid, 0)

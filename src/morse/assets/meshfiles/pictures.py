@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import os
 from typing import Any
 
+from morse.assets import targa
 from morse.assets.stand_in import chequered
 from morse.scene import Image
 from morse.system.pictures import is_usable, opened, orientation_of, readable_picture
@@ -32,6 +34,10 @@ def usable_picture(data: bytes) -> bytes:
     Raises:
         ValueError: it cannot be used.
     """
+    if targa.is_targa(data[: targa.HEADER_SIZE]):
+        # models of Gazebo have many of these; their cost is known, and no process is needed
+        with contextlib.suppress(targa.TargaError):
+            data = targa.png_of(data)
     data = readable_picture(data)
     with opened(data) as picture:
         if mistake := _mistake(picture):
