@@ -299,3 +299,13 @@ def test_levels_of_the_log_hide_no_warning(project: Terminal) -> None:
 def test_a_bad_word_for_warnings(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="on_warning is 'log' or 'raise', not 'rais'; did you mean 'raise'"):
         load(tmp_path / "scene.py", on_warning="rais")
+
+
+def test_a_model_that_is_a_scene_has_no_lines(project: Terminal) -> None:
+    """What has called MORSE is not the script: its warnings name the file alone."""
+    mesh = "<visual name='v'><geometry><mesh><uri>nothing.dae</uri></mesh></geometry></visual>"
+    model = f"<model name='box'><link name='l'>{mesh}</link></model>"
+    (project.directory / "world.sdf").write_text(f"<sdf version='1.7'><world name='w'>{model}</world></sdf>")
+    strict = project("run", "--headless", "--strict", "--duration", "0.02", "world.sdf")
+    assert strict.status == 1
+    assert "WARNING world.sdf: the mesh 'nothing.dae' is left out" in strict.out

@@ -137,6 +137,9 @@ def build(
     return scene
 
 
+frames.begins_script(build)
+
+
 @contextmanager
 def describing(resource_paths: list[str]) -> Iterator[None]:
     """Within the block, a part of a scene can be described, with the models of a project."""

@@ -12,11 +12,22 @@ from morse.scene import SourceLine
 from morse.scene.scene_warnings import find_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from types import CodeType, FrameType
+
+    from morse.scene import Scene
 
 _LIBRARIES = tuple(sysconfig.get_path(name) + os.sep for name in ("stdlib", "purelib", "platlib"))
 _PACKAGE = os.path.dirname(os.path.abspath(morse.__file__)) + os.sep
+
+
+#: functions of MORSE that call a script
+_BEGINNINGS: set[CodeType] = set()
+
+
+def begins_script(function: Callable[..., Scene]) -> None:
+    """Note a function that calls a script."""
+    _BEGINNINGS.add(function.__code__)
 
 
 def is_users(code: CodeType) -> bool:
@@ -30,9 +41,12 @@ def is_library(code: CodeType) -> bool:
 
 
 def user_frames() -> Iterator[FrameType]:
-    """Return the frames of user code in the call stack, innermost first, up to the script itself."""
+    """Return the frames of user code in the call stack, innermost first, up to the script itself.
+
+    What has called MORSE to run a script is no part of it.
+    """
     frame: FrameType | None = sys._getframe(1)
-    while frame is not None:
+    while frame is not None and frame.f_code not in _BEGINNINGS:
         if is_users(frame.f_code):
             yield frame
             if frame.f_code.co_name == "<module>":
@@ -48,7 +62,9 @@ def source_line(owner: object = None) -> SourceLine | None:
     """
     library: FrameType | None = None
     for frame in user_frames():
-        if owner is not None and frame.f_locals.get("self") is owner:
+        # a warning asks for its line from within the log
+        is_log = frame.f_globals.get("__name__") == "logging"
+        if is_log or (owner is not None and frame.f_locals.get("self") is owner):
             continue
         # Python's own modules call back and are called in between; a script may itself be part of a package
         if not is_library(frame.f_code):
