@@ -291,7 +291,7 @@ def test_the_base_keeps_the_streams(bench: Bench) -> None:
     assert first.events[-1] == "finalize"
     assert [s.component_instance for s in pigeons.streams["robot1.place"]] == [new]
 
-    pigeons.disconnect("robot1.smell")
+    pigeons.disconnect(other)
     assert pigeons.told[-2:] == [("closed", "robot1.smell"), ("left", "robot1.smell")]
     pigeons.finalize()
     assert pigeons.streams == {}
@@ -342,10 +342,10 @@ def test_what_is_no_stream_is_refused(bench: Bench) -> None:
 
 
 def test_the_port_of_a_component_that_is_deleted_is_closed(bench: Bench) -> None:
-    bench.sensor("robot1.pose", port=0)
+    sensor = bench.sensor("robot1.pose", port=0)
     port = bench.port_of("robot1.pose")
     client = bench.connect("robot1.pose")
-    bench.streams.disconnect("robot1.pose")
+    bench.streams.disconnect(sensor)
     wait_until(client.has_ended)
     client.close()
     bench.components.clear()
