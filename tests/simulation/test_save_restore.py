@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import morse
 from effort import examples
+from morse.builder import Environment, Human
 from morse.core.state import StateError
 
 if TYPE_CHECKING:
@@ -65,6 +66,23 @@ def test_the_same_simulation_goes_back_to_the_bit(plan: dict[str, Any], before: 
         assert simulation.ticks == state.tick == before
         scenes.go(simulation, plan, after)
         assert simulation.state_hash() == wanted
+
+
+def test_a_state_can_be_restored_again_and_again() -> None:
+    """The parts of a state refer to each other, also if its physics was validated before."""
+
+    def scene() -> None:
+        Human()
+        Environment("empty")
+
+    with morse.load(scene) as sim, morse.load(scene) as other:
+        sim.step(3)
+        state = sim.save()
+        for simulation in (sim, other):
+            for _ in range(4):
+                simulation.restore(state)
+                assert simulation.state_hash() == state.hash()
+                simulation.step()
 
 
 def test_to_save_changes_nothing() -> None:

@@ -217,8 +217,9 @@ def live(sim: Simulation, state: Path, spawned: Callable[[], object]) -> dict[st
     went_on = sim.save().fingerprints()
     call(sim)
     sim.step(3)
-    sim.restore(before)
-    sim.step(2)
+    for _ in range(3):
+        sim.restore(before)
+        sim.step()
     sim.spawn("guest", spawned, (-6.0, 3.0, 0.2))
     command(sim)
     sim.step(2)

@@ -125,6 +125,14 @@ class Reader:
             "text": lambda data, _: data[1].decode("utf-8", "surrogatepass"),
         }
 
+    def objects(self, first: int = 0) -> list[object]:
+        """The objects that were read so far, from a number on: later parts refer to them by their numbers."""
+        return self._objects_so_far[first:]
+
+    def leave_out(self, objects: list[object]) -> None:
+        """Leave out a part of which another reader has made these objects."""
+        self._objects_so_far += objects
+
     def part(self, name: str, data: object, now: object, holder: object = None) -> Any:
         """Return the restored state of a part of the simulation.
 

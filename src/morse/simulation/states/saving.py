@@ -40,8 +40,8 @@ class Saving:
         self._warnings: set[str] = set()
         #: states of this simulation that need no check, while the world has the arrangement of that number
         self._valid: WeakKeyDictionary[State, int] = WeakKeyDictionary()
-        #: their physics, as the world has validated it
-        self._physics: WeakKeyDictionary[State, object] = WeakKeyDictionary()
+        #: their physics, as the world has validated it, and the objects in it
+        self._physics: WeakKeyDictionary[State, tuple[object, list[object]]] = WeakKeyDictionary()
 
     def save(self, *, tell: bool = True) -> State:
         """Return the present state.
@@ -179,11 +179,16 @@ class Saving:
         reader = Reader(self._parts, trusted=trusted)
         with acting(self._simulation.context):
             for name, holder in holders.items():
-                read = self._physics.get(state) if valid and holder is self._simulation.world else None
-                if read is None:
+                is_kept = valid and holder is self._simulation.world
+                if is_kept and state in self._physics:
+                    read, objects = self._physics[state]
+                    reader.leave_out(objects)
+                else:
+                    first = len(reader.objects())
                     read = reader.part(name, state.parts[name], _state_of(name, holder), _with_attributes(holder))
-                    if valid and holder is self._simulation.world:
-                        read = self._physics[state] = holder.validated(read)
+                    if is_kept:
+                        read = holder.validated(read)
+                        self._physics[state] = read, reader.objects(first)
                 try:
                     holder.set_state(read)
                 except StateError as error:
