@@ -152,6 +152,7 @@ class Sensor(Object):
     def noisy_fields(self) -> tuple[str, ...]:
         """Return the fields that get noise if the script names no fields: all measured numbers and vectors."""
         follow = {name for name, field in data_fields(type(self)).items() if field.follows} | {"timestamp"}
+        follow.update(self.without_noise)
         return tuple(name for name, value in self.local_data.items() if name not in follow and is_numeric(value))
 
     def add_noise(self, field: str, noise: Noise, before: object) -> None:

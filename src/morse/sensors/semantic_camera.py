@@ -51,6 +51,8 @@ class SemanticCamera(Camera):
 
     _name = "Semantic camera"
     _short_desc = "A smart camera allowing to retrieve objects in its field of view"
+    #: its items are objects, which no type of a list that is empty at first tells
+    without_noise = ("visible_objects",)
 
     add_data(
         "visible_objects", [], "list<objects>", "Visible objects: name, description, type, position and orientation"
