@@ -6,7 +6,7 @@ from component_library.declared import service_list
 from component_library.markdown import page, section
 from morse.core.sensor import Sensor
 from morse.core.services import declared_services
-from morse.middleware.socket.directory import StreamDirectory
+from morse.middleware.socket.datastream import StreamDirectory
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
 from morse.services.lockstep_services import LockstepServices

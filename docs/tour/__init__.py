@@ -44,7 +44,7 @@ def record(name: str, path: Path) -> None:
     import morse
 
     if name in EXAMPLES:
-        from morse.cli.examples import example
+        from morse.cli.demo import example
         from tour.playing import playing
 
         with playing(example(name), speed=_SPEED, record=path) as (simulation, client):

@@ -13,7 +13,7 @@ import morse
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from morse.cli.examples import Example
+    from morse.cli.demo import Example
 
 
 @contextlib.contextmanager

@@ -418,7 +418,7 @@ def test_a_modifier_that_is_not_there_is_said_with_those_that_are(load: Callable
 
 def test_nothing_that_exists_is_said_to_be_missing() -> None:
     import morse.builder
-    from morse.builder.errors.missing import missing_component
+    from morse.builder.errors.explain import missing_component
 
     assert [name for name in morse.builder.__all__ if missing_component(name) is not None] == []
 

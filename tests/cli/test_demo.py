@@ -11,7 +11,7 @@ import pytest
 
 import morse
 from morse.cli.app import execute
-from morse.cli.examples import examples
+from morse.cli.demo import examples
 
 START = "import sys; from morse.cli import main; sys.exit(main())"
 

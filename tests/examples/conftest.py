@@ -6,7 +6,7 @@ import threading
 import pytest
 
 import morse
-from morse.cli.examples import example
+from morse.cli.demo import example
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from morse.cli.examples import examples
+from morse.cli.demo import examples
 
 pytestmark = pytest.mark.long
 

@@ -20,7 +20,7 @@ from morse.core import status
 from morse.core.clients.acceptors import Descriptors
 from morse.core.clients.complaints import Complaints
 from morse.core.services import concurrent_service
-from morse.middleware.socket.calls import Calls
+from morse.middleware.socket.request_manager import Calls
 from morse.middleware.socket.turns import Turns
 from morse.wire import limits, lines
 from morse.wire.encoding import from_json, to_json

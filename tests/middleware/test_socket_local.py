@@ -16,7 +16,7 @@ import pytest
 import morse
 from morse.builder import Environment, FakeRobot, MotionVW, Pose
 from morse.core.exceptions import MorseError, MorseMiddlewareError
-from morse.middleware.socket.local import listen_locally
+from morse.middleware.socket.request_manager import listen_locally
 from pymorse import Morse
 
 if TYPE_CHECKING:

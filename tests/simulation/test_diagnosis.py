@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from morse.core.observer import SHOWN, Observer
-from morse.simulation.ticks.diagnosis import TICKS, Diagnosis
+from morse.simulation.ticks.loop import TICKS, Diagnosis
 
 if TYPE_CHECKING:
     from collections.abc import Callable

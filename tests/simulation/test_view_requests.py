@@ -13,9 +13,8 @@ from morse.viewer.feeds.states import StatesFeed
 from morse.viewer.feeds.tree import component_tree
 from morse.viewer.hub import Wishes
 from morse.viewer.inputs.commands import Commands
-from morse.viewer.inputs.moving import Moving
 from morse.viewer.inputs.service_calls import ServiceCalls
-from morse.viewer.live_view import View
+from morse.viewer.live_view import Moving, View
 from morse.viewer.page_messages import ViewEvent
 from morse.viewer.protocol import page_message_types
 from morse.viewer.requests import PageLeft

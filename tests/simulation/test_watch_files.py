@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.simulation.watching.dependents import to_renew
+from morse.simulation.watching.classes import to_renew
 from morse.simulation.watching.files import SavedFiles
 
 if TYPE_CHECKING:

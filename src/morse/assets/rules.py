@@ -6,16 +6,81 @@ The settings of an object are combined by `settle`. Without settings, the role o
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from morse.assets.body_settings import SETTINGS, Settled, settle
-from morse.assets.gathering import gather_under_root
-from morse.scene import PhysicsType
+from morse.assets.errors import AssetError
+from morse.assets.poses import attach_in_place, set_free
+from morse.scene import NodeKind, PhysicsType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from morse.scene import Node
+    from morse.scene import Library, Node
+
+
+def gather_under_root(library: Library) -> Node:
+    """Return the root node of a robot, sensor or actuator whose file may contain several loose objects.
+
+    The root is the object with the name of the file, else the first one that has children, physics or no mesh, else the
+    first mesh. All other objects become children of the root with their present poses. Lights, cameras and objects
+    whose names begin with ``_`` are dropped.
+
+    Raises:
+        AssetError: the file does not contain an object that could be a component.
+    """
+    scene_roots = [root for root in library.roots if root.name not in library.outside_scene]
+    loose = [part for root in scene_roots or library.roots for part in _without_lights(root)]
+    if not loose:
+        raise AssetError(library.path, "it contains no object that could be a component: add a mesh or an empty")
+    root = _choose(loose, Path(library.path).stem)
+    for part in loose:
+        if part is not root:
+            attach_in_place(root, part)
+    library.roots = [root]
+    return root
+
+
+def _without_lights(root: Node) -> list[Node]:
+    """Remove lights, cameras and private objects from a tree, and return the remaining trees."""
+    if _is_private(root):
+        return []
+    for node in list(root.walk()):
+        if node is root or node.parent is None:
+            continue
+        if _is_private(node):
+            node.detach()
+        elif _is_light(node):
+            for child in list(node.children):
+                attach_in_place(node.parent, child)
+            node.detach()
+    if not _is_light(root):
+        return [root]
+    children = list(root.children)
+    for child in children:
+        set_free(child)
+    return [tree for child in children for tree in _without_lights(child)]
+
+
+def _is_private(node: Node) -> bool:
+    return (node.source_name or node.name).startswith("_")
+
+
+def _is_light(node: Node) -> bool:
+    return node.kind in (NodeKind.LIGHT, NodeKind.CAMERA)
+
+
+def _choose(loose: list[Node], stem: str) -> Node:
+    for node in loose:
+        if (node.source_name or node.name).casefold() == stem.casefold():
+            return node
+    for node in loose:
+        has_type = node.body.type not in (PhysicsType.AUTO, PhysicsType.NO_COLLISION)
+        if node.children or has_type or node.kind is NodeKind.EMPTY:
+            return node
+    return next((node for node in loose if node.mesh is not None), loose[0])
+
 
 __all__ = ["SETTINGS", "Settled", "gather_under_root", "resolve_auto", "settle"]
 

@@ -11,9 +11,9 @@ from morse.builder.blender.game import checked_property, timer
 from morse.builder.blender.objects import SceneObject
 from morse.builder.components.interfaces import Interfaces
 from morse.builder.components.models import Models
-from morse.builder.components.placement import Placement
 from morse.builder.data import Configuration
 from morse.builder.errors import checks
+from morse.builder.errors.angles import hint_at_radians
 from morse.builder.errors.attributes import unknown_attribute
 from morse.builder.errors.properties import check_declared, warn_if_misspelled
 from morse.builder.legacy.methods import old_method
@@ -27,8 +27,57 @@ from morse.scene import ComponentDeclaration
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from morse.builder.blender.pose import LiveEuler, LiveVector
     from morse.core.values import Properties, Value
     from morse.scene import Node, SourceLine
+
+
+class Placement:
+    """The part of `AbstractComponent` for its pose."""
+
+    _bpy_object: SceneObject
+
+    @property
+    def location(self) -> LiveVector:
+        """Position in the frame of the parent, m; can be changed in place."""
+        return self._bpy_object.location
+
+    @location.setter
+    def location(self, value: Iterable[float]) -> None:
+        self._bpy_object.location = value
+
+    @property
+    def rotation_euler(self) -> LiveEuler:
+        """Euler angles, rad, XYZ order; can be changed in place."""
+        return self._bpy_object.rotation_euler
+
+    @rotation_euler.setter
+    def rotation_euler(self, value: Iterable[float]) -> None:
+        self._bpy_object.rotation_euler = value
+
+    @property
+    def scale(self) -> LiveVector:
+        """Scale along each axis; can be changed in place."""
+        return self._bpy_object.scale
+
+    @scale.setter
+    def scale(self, value: Iterable[float]) -> None:
+        self._bpy_object.scale = value
+
+    def translate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        """Translate it along the axes of the parent, m."""
+        self._add(self._bpy_object.node.location, (x, y, z), "translate")
+
+    def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        """Add angles to its roll, pitch and yaw, rad."""
+        hint_at_radians(f"{type(self).__name__}.rotate", (x, y, z))
+        self._add(self._bpy_object.node.rotation_euler, (x, y, z), "rotate")
+
+    def _add(self, target: list[float], values: tuple[object, object, object], method: str) -> None:
+        what = f"{type(self).__name__}.{method}"
+        steps = [checks.number(value, f"{what}({axis})") for axis, value in zip("xyz", values, strict=True)]
+        target[:] = [old + step for old, step in zip(target, steps, strict=True)]
+
 
 __all__ = ["AbstractComponent", "Configuration", "timer"]
 

@@ -8,6 +8,7 @@ import sys
 import threading
 import warnings
 from contextlib import contextmanager
+from importlib.machinery import PathFinder
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import TYPE_CHECKING
@@ -22,7 +23,6 @@ from morse.builder.errors.explain import explain
 from morse.builder.legacy import bpy, removed
 from morse.builder.legacy.arguments import argv
 from morse.builder.legacy.modules import OldModules
-from morse.builder.libraries import LibrariesFirst
 from morse.builder.names import frames
 from morse.builder.names.places import resource_folders, source_folders
 from morse.core.classes.project_imports import ProjectImports
@@ -31,10 +31,38 @@ from morse.scene.scene_warnings import about, scene_warnings
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from importlib.machinery import ModuleSpec
 
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
+
+
+class LibrariesFirst:
+    """Finds libraries although the directory of the scene script comes first on the path.
+
+    Otherwise, a script ``random.py`` or ``rich.py`` would be executed again instead of the library at each import.
+
+    Args:
+        script: name of the scene script, without suffix; it is never imported.
+        directories: other directories whose files do not hide the standard library.
+    """
+
+    def __init__(self, script: str, directories: Iterable[str]) -> None:
+        self._script = script
+        self._directories = list(directories)
+
+    def find_spec(self, name: str, path: Sequence[str] | None, _target: object = None) -> ModuleSpec | None:
+        """See `importlib.abc.MetaPathFinder`."""
+        if path is not None or (name != self._script and name not in sys.stdlib_module_names):
+            return None
+        if PathFinder.find_spec(name, self._directories) is None:
+            return None  # no file hides the library
+        hiding = {Path(directory).resolve() for directory in self._directories}
+        spec = PathFinder.find_spec(name, [entry for entry in sys.path if Path(entry).resolve() not in hiding])
+        # a folder of that name is not a library
+        return None if spec is None or spec.loader is None else spec
+
 
 __all__ = ["ScriptError", "build", "is_loading", "load_scene"]
 

@@ -5,17 +5,49 @@ from __future__ import annotations
 import configparser
 import io
 import os
+import sys
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.cli.locks import exclusive
 from morse.cli.messages import CommandError, nearest
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+
+@contextmanager
+def exclusive(path: Path) -> Iterator[None]:
+    """Acquire the lock file, and wait for other processes; it is released when the process ends, if not before.
+
+    Raises:
+        OSError: the file cannot be created or locked.
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        _lock(descriptor)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+if sys.platform == "win32":
+
+    def _lock(descriptor: int) -> None:
+        import msvcrt
+
+        # the system call fails after ten attempts, one second apart
+        msvcrt.locking(descriptor, msvcrt.LK_LOCK, 1)
+
+else:
+
+    def _lock(descriptor: int) -> None:
+        import fcntl
+
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+
 
 _SECTION = "sites"
 

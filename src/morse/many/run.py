@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import platform
 import re
+import signal
+import threading
 import time
 from functools import cache
 from importlib.metadata import version
@@ -14,7 +17,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from morse.core.reports.faults import place, summary
 from morse.launch.load import load
-from morse.many.limit import RunTimeout, limited
 from morse.many.values import plain
 from morse.version import __version__
 
@@ -28,6 +30,37 @@ if TYPE_CHECKING:
     from morse.many.stock import Stock
     from morse.many.values import Row
     from morse.simulation.simulation import Simulation
+
+#: wall-clock time between two attempts to end a run, s
+_AGAIN = 1.0
+
+
+class RunTimeout(KeyboardInterrupt):
+    """A run has taken longer than its limit; ``except Exception`` in the code of a user does not catch it."""
+
+
+@contextlib.contextmanager
+def limited(seconds: float | None) -> Iterator[None]:
+    """Raise `RunTimeout` in the body if it takes longer, in the main thread of a process on systems with signals."""
+    if seconds is None or threading.current_thread() is not threading.main_thread() or not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def end(*_: object) -> None:
+        raise RunTimeout(f"the run has taken longer than {seconds:g} s of wall-clock time")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
+    try:
+        yield
+    except RunTimeout:
+        # the end of a simulation takes its time, too
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        raise
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
 
 #: columns of each row, besides the parameters and results
 RESERVED = (

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import inspect
 import logging
+import threading
+import traceback
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import levels
@@ -14,16 +17,15 @@ from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
 from morse.core.kinds import findings_of
 from morse.core.parts.overwritten import hidden_methods, laziness, lazy_methods
-from morse.core.reports.faults import ENDINGS, describe
+from morse.core.reports.faults import ENDINGS, attribute, describe, is_a, name_of, trace_of
 from morse.core.robot import Robot
 from morse.core.rows.unread import Unclaimed
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
 from morse.scene.scene_warnings import about
-from morse.simulation.threads import watch_threads
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from morse.core.context import Context
     from morse.core.interfaces import Middleware
@@ -31,6 +33,44 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.world import Body
     from morse.scene import ComponentDeclaration, ModifierDeclaration, SourceLine
+
+
+def watch_threads() -> None:
+    """Report errors in the threads of components to the guard; those in other threads are reported as before."""
+    if not isinstance(threading.excepthook, _Hook):
+        threading.excepthook = _Hook(threading.excepthook)
+
+
+class _Hook:
+    """An exception hook of `threading` that knows components.
+
+    Args:
+        before: the hook for threads that do not belong to a component.
+    """
+
+    def __init__(self, before: Callable[[threading.ExceptHookArgs], object]) -> None:
+        self._before = before
+
+    def __call__(self, failure: threading.ExceptHookArgs) -> object:
+        error = failure.exc_value
+        component = None if error is None or is_a(error, SystemExit) else _component(error)
+        guard = attribute(attribute(component, "context"), "guard")
+        if error is None or guard is None:
+            return self._before(failure)
+        thread = failure.thread.name if failure.thread is not None else "(without a name)"
+        guard.failed(component, f"the thread {thread} of {name_of(component)}", "has ended", error)
+        return None
+
+
+def _component(error: BaseException) -> AbstractObject | None:
+    """Return the component whose function a thread ran: that of the outermost function with a component."""
+    for frame, _ in traceback.walk_tb(trace_of(error)):
+        for value in frame.f_locals.values():
+            if is_a(value, AbstractObject):
+                component: AbstractObject = value
+                return component
+    return None
+
 
 logger = logging.getLogger(__name__)
 

@@ -6,9 +6,11 @@ import logging
 import math
 import time
 import webbrowser
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.clients.complaints import Complaints
+from morse.core.exceptions import MorseError
 from morse.core.observer import Observer
 from morse.core.reports.faults import class_name, place, summary
 from morse.core.reports.quoting import short
@@ -17,9 +19,8 @@ from morse.viewer.display import has_display
 from morse.viewer.editor.editor import Editor
 from morse.viewer.feeds.clouds import ViewClouds
 from morse.viewer.feeds.debug_properties import ViewDebug
-from morse.viewer.feeds.edits import EditsFeed
 from morse.viewer.feeds.frustums import ViewFrustums
-from morse.viewer.feeds.log import LogFeed
+from morse.viewer.feeds.log import LogFeed, printable
 from morse.viewer.feeds.overlays import ViewOverlays
 from morse.viewer.feeds.pictures import PicturesFeed
 from morse.viewer.feeds.rays import ViewRays
@@ -30,7 +31,6 @@ from morse.viewer.feeds.tree import component_tree, keyboard_robots
 from morse.viewer.feeds.values import ValuesFeed
 from morse.viewer.inputs.commands import Commands
 from morse.viewer.inputs.history import Rewinder
-from morse.viewer.inputs.moving import Moving
 from morse.viewer.inputs.service_calls import ServiceCalls
 from morse.viewer.looks import appearances, moving_nodes, pictured
 from morse.viewer.notebook import Frame, frame, proxy_token
@@ -38,7 +38,7 @@ from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import Snapshot
 from morse.viewer.titles import title_of
-from morse.viewer.view_messages import Answer, Listening, Pace, Refused, Tree, Viewpoint
+from morse.viewer.view_messages import Answer, FileMistake, Listening, Pace, Refused, SavedFiles, Tree, Viewpoint
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -49,6 +49,54 @@ if TYPE_CHECKING:
     from morse.core.guard import Guard
     from morse.scene import Image
     from morse.simulation.simulation import Simulation
+    from morse.simulation.watching.edits import Edits
+
+
+class Moving:
+    """Applies pointer actions of the page to objects, by the services for clients."""
+
+    def __init__(self, server: ViewServer, services: ServiceCalls) -> None:
+        self._server = server
+        self._services = services
+
+    def teleport(self, event: page.Teleport) -> bool:
+        """Move an object to a pose, at rest; returns whether that was possible."""
+        place = (event.node, list(event.position), list(event.quaternion))
+        if self._services.attempt(event.request, lambda: self._services.run("simulation", "set_object_pose", *place)):
+            self._server.send(Answer(event.request, True))
+            return True
+        return False
+
+    def drag(self, event: page.Drag) -> None:
+        """Start pulling, or move the target."""
+        try:
+            self._services.run("simulation", "pull", event.node, list(event.anchor), list(event.target))
+        except MorseError as error:
+            self._server.send(Refused("drag", str(error)))
+
+    def let_go(self, _event: page.DragEnd | None = None) -> None:
+        """Stop pulling."""
+        self._services.run("simulation", "let_go")
+
+
+class EditsFeed:
+    """Sends the state of the files that were saved."""
+
+    def __init__(self, edits: Edits, server: ViewServer) -> None:
+        self._edits = edits
+        self._server = server
+        self._last_message = SavedFiles([], [])
+
+    def update(self) -> None:
+        """Send it if it has changed."""
+        mistakes = [
+            FileMistake(PurePath(one.path).name, one.line, printable(one.text)) for one in self._edits.mistakes.values()
+        ]
+        message = SavedFiles(mistakes, [PurePath(path).name for path in self._edits.waiting])
+        if message != self._last_message:
+            self._last_message = message
+            self._server.send(message)
+
 
 logger = logging.getLogger("morse.viewer")
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.cli.foxglove_layout import write_layout
+from morse.cli.export import write_layout
 from morse.middleware.foxglove.layout import layout_of
 
 if TYPE_CHECKING:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import logging
+import math
 import warnings
 from pathlib import Path
 from typing import Any
@@ -11,17 +13,43 @@ from typing import Any
 import numpy as np
 
 from morse.assets.errors import AssetError
-from morse.assets.meshfiles.collada import collada_unit
+from morse.assets.meshfiles.collada_counts import check_instances
 from morse.assets.meshfiles.counts import check_counts
 from morse.assets.meshfiles.files import SIZE_LIMIT, Below, readable
 from morse.assets.meshfiles.gltf_counts import with_pictures
 from morse.assets.meshfiles.surfaces import Surfaces
 from morse.assets.triangle_limit import check_stl, check_triangles
+from morse.assets.xml_files import read_xml
 from morse.mathutils import Matrix
 from morse.mathutils.portable import det, matmul, nearest_rotation
 from morse.scene import Library, Node, NodeKind, PhysicsType
+from morse.system.extras import install
 from morse.system.pictures import run_no_programs
 from morse.system.regular_files import read_regular
+
+
+def collada_unit(path: Path) -> float:
+    """Return the unit of a COLLADA file, m.
+
+    Raises:
+        AssetError: it is not COLLADA, shows too much, or the package that reads such files is not installed.
+    """
+    root = read_xml(path)
+    if root.tag.rpartition("}")[2] != "COLLADA":
+        raise AssetError(path, f"it is not COLLADA: it begins with <{root.tag:.60}>")
+    if importlib.util.find_spec("collada") is None:
+        raise AssetError(path, f"COLLADA files need another package: {install('collada')}")
+    check_instances(path, root)
+    unit_element = root.find("./{*}asset/{*}unit")
+    text = "1" if unit_element is None else unit_element.get("meter", "1")
+    try:
+        unit = float(text)
+    except ValueError:
+        unit = math.nan
+    if not 1e-9 < unit < 1e9:
+        raise AssetError(path, f"its unit is {text[:60]!r} m, expected a positive number")
+    return unit
+
 
 #: glTF models face +Z with +Y up; models of MORSE face +X with +Z up
 _FROM_GLTF = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])

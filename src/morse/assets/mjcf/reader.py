@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morse.assets.errors import AssetError
-from morse.assets.mjcf.groups import groups_of
 from morse.assets.mjcf.joints import Bones, pose
 from morse.assets.mjcf.sensors import sensors_of
 from morse.assets.mjcf.shapes import hide_collision_shapes, shape_node
-from morse.assets.mjcf.sizes import check_sizes
 from morse.assets.mjcf.source import Source
 from morse.assets.mjcf.textures import TextureImages
 from morse.mathutils import Matrix
@@ -25,8 +24,87 @@ from morse.scene.mjcf import DEFAULT_CONTACT, MjcfModel
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.assets.mjcf.groups import Group
     from morse.assets.mjcf.model import BodyData, ModelData
+
+#: maximum number of bodies, and maximum depth of the tree of bodies
+MOST_BODIES, _DEEPEST = 10_000, 200
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Bodies that become one robot or object.
+
+    Attributes:
+        tops: those below the world.
+        bodies: all, parents first.
+        base: the body with the free joint, or None for bodies that are fixed to the world.
+    """
+
+    tops: tuple[int, ...]
+    bodies: tuple[int, ...]
+    base: int | None
+
+
+def groups_of(model: ModelData, path: Path) -> list[Group]:
+    """Return the groups of a model, the robot first.
+
+    Each free body is a group, and all fixed bodies together. The robot is the group with most joints; of several, a
+    free one.
+
+    Raises:
+        AssetError: there are too many bodies, or they are nested too deeply.
+    """
+    bodies, joints = model.bodies, model.joints
+    if len(bodies) > MOST_BODIES:
+        raise AssetError(path, f"it has {len(bodies)} bodies, more than {MOST_BODIES}")
+    top_of, depth = {0: 0}, {0: 0}
+    members: dict[int, list[int]] = {}
+    for index in range(1, len(bodies)):
+        parent = bodies[index].parent
+        top_of[index] = top = index if parent == 0 else top_of[parent]
+        depth[index] = depth[parent] + 1
+        if depth[index] > _DEEPEST:
+            raise AssetError(path, f"the tree of bodies is deeper than {_DEEPEST}")
+        members.setdefault(top, []).append(index)
+    free = [top for top in members if any(joints[joint].kind == "free" for joint in bodies[top].joints)]
+    anchors = [top for top in members if top not in free]
+    groups = [Group((top,), tuple(members[top]), top) for top in free]
+    if anchors:
+        groups.append(Group(tuple(anchors), tuple(index for top in anchors for index in members[top]), None))
+
+    def count(group: Group) -> int:
+        return sum(joints[joint].kind != "free" for body in group.bodies for joint in bodies[body].joints)
+
+    return sorted(groups, key=lambda group: -count(group))
+
+
+#: largest accepted length, m, and mass, kg
+_FARTHEST, _HEAVIEST = 1e6, 1e9
+
+
+def check_sizes(model: ModelData, path: Path) -> None:
+    """Check lengths and masses.
+
+    Raises:
+        AssetError: one of them is too large.
+    """
+    lengths = [
+        *(("body", one.name, one.position) for one in model.bodies),
+        *(("joint", one.name, (*one.position, *(one.limits or ()))) for one in model.joints if one.kind == "slide"),
+        *(("shape", one.name, (*one.position, *one.size)) for one in model.geoms if one.kind != "plane"),
+    ]
+    for what, name, values in lengths:
+        largest = max(map(abs, values), default=0.0)
+        if not largest <= _FARTHEST:
+            raise AssetError(
+                path, f"the {what} '{name:.60}' has a length of {largest:.3g} m, more than {_FARTHEST:g} m"
+            )
+    for body in model.bodies:
+        if not body.inertial[0] <= _HEAVIEST:
+            raise AssetError(
+                path, f"the body '{body.name:.60}' has a mass of {body.inertial[0]:.3g} kg, more than {_HEAVIEST:g} kg"
+            )
+
 
 _LIGHTEST = 1e-3
 #: of the engine, s: a tick has 167 of them; robots with fine contacts have steps of 0.5 to 2 ms

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from morse.assets.errors import AssetError
@@ -14,7 +15,6 @@ from morse.assets.model_folders import version_of
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import NotDownloadedError, find_model, read_root
 from morse.assets.sdf.scope import MODEL, Part, Scope
-from morse.assets.sdf.usual import usual_model
 from morse.assets.triangle_limit import check_parts
 from morse.system.free_names import free_name
 
@@ -22,6 +22,23 @@ if TYPE_CHECKING:
     from collections.abc import Container
 
     from morse.mathutils import Matrix
+
+_PLANE = "<geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>"
+_MODELS = {
+    "ground_plane": f"""<sdf version="1.6"><model name="ground_plane"><static>true</static><link name="link">
+        <collision name="collision">{_PLANE}</collision><visual name="visual">{_PLANE}
+        <material><diffuse>0.7 0.7 0.7 1</diffuse></material></visual></link></model></sdf>""",
+    "sun": """<sdf version="1.6"><light type="directional" name="sun"><cast_shadows>true</cast_shadows>
+        <pose>0 0 10 0 0 0</pose><diffuse>0.8 0.8 0.8 1</diffuse><direction>-0.5 0.1 -0.9</direction></light></sdf>""",
+}
+
+
+def usual_model(uri: str) -> Element | None:
+    """The element ``sdf`` of a floor or a sun that is not installed; None for any other model."""
+    name = uri.rstrip("/").rpartition("/")[2].lower().replace(" ", "_")
+    text = _MODELS.get(name)
+    return None if text is None else ElementTree.fromstring(text)
+
 
 #: models in models, and models that are included, each use counted
 _DEEPEST, _MOST_INCLUDES = 20, 2000

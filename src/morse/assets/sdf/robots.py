@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.converted import Plugins
 from morse.assets.gazebo.motors import prepare_motors
 from morse.assets.gazebo.plugins import read_plugins
-from morse.assets.gazebo.values import ValueMistakeError, boolean
+from morse.assets.gazebo.values import ValueMistakeError, boolean, number, text_of, vector
+from morse.assets.inertial import inertial_of
 from morse.assets.sdf.flat import FlatLink, joints_of, links_of
-from morse.assets.sdf.inertials import inertial_in
 from morse.assets.sdf.joints import JointTree
 from morse.assets.sdf.scope import SEPARATOR, WORLD
 from morse.assets.sdf.worlds import light_node
@@ -24,12 +25,59 @@ if TYPE_CHECKING:
     from pathlib import Path
     from xml.etree.ElementTree import Element
 
-    from morse.assets.sdf.flat import FlatJoint
+    from morse.assets.sdf.flat import FlatJoint, FlatLink
     from morse.assets.sdf.geometry import Geometry
     from morse.assets.sdf.includes import Includes
     from morse.assets.sdf.scope import Scope
-    from morse.scene import Node
+    from morse.scene import Inertial, Node
     from morse.scene.declared_sensor import DeclaredSensor
+
+_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+#: moments, kg m^2, of a link without an element for them
+_USUAL = {"ixx": 1.0, "iyy": 1.0, "izz": 1.0}
+#: kg/m^3
+_WATER = 1000.0
+
+
+def inertial_in(link: FlatLink) -> tuple[Inertial, str]:
+    """Return the mass of a link, and a warning if the file is wrong (else an empty string).
+
+    A link without a mass weighs 1 kg; with ``auto``, its mass is that of its shapes.
+
+    Raises:
+        ValueMistakeError: a number is wrong, or the mass is negative.
+    """
+    element = link.part.element.find("inertial")
+    if element is not None and (element.get("auto") or "").lower() in ("true", "1"):
+        mass = sum(
+            _mass(collision, number(element, "density", _WATER)) for collision in link.part.element.findall("collision")
+        )
+        return inertial_of(mass or 1.0, link.place(element), None)
+    mass = number(element, "mass", 1.0)
+    if mass < 0.0:
+        raise ValueMistakeError(f"its mass is {mass:g} kg")
+    tensor = None if element is None else element.find("inertia")
+    moments = [number(tensor, name, _USUAL.get(name, 0.0)) for name in _MOMENTS]
+    place = link.place(element) if element is not None else link.place(link.part.element.makeelement("inertial", {}))
+    return inertial_of(mass, place, moments)
+
+
+def _mass(collision: Element, density: float) -> float:
+    """The mass of a shape, kg; 0 for meshes, which are not measured."""
+    density = number(collision, "density", density)
+    geometry = collision.find("geometry")
+    kind = next((child.tag for child in geometry if isinstance(child.tag, str)), "") if geometry is not None else ""
+    shape = None if geometry is None else geometry.find(kind) if kind else None
+    radius, length = number(shape, "radius", 0.0), number(shape, "length", 0.0)
+    volumes = {
+        "box": math.prod(vector(shape, "size", (0.0, 0.0, 0.0))) if text_of(shape, "size") and kind == "box" else 0.0,
+        "sphere": 4.0 / 3.0 * math.pi * radius**3,
+        "cylinder": math.pi * radius**2 * length,
+        "cone": math.pi * radius**2 * length / 3.0,
+        "capsule": math.pi * radius**2 * (length + 4.0 / 3.0 * radius),
+        "ellipsoid": 4.0 / 3.0 * math.pi * math.prod(vector(shape, "radii", (0.0, 0.0, 0.0))),
+    }
+    return abs(density * volumes.get(kind, 0.0))
 
 
 class Models:
@@ -137,14 +185,14 @@ class Models:
         except ValueMistakeError as error:
             self._warn(f"the mass of the link '{name:.80}' is left out: {error}")
         element = link.part.element
-        for number, child in enumerate([*element.findall("visual"), *element.findall("collision")], 1):
+        for index, child in enumerate([*element.findall("visual"), *element.findall("collision")], 1):
             try:
                 pose = link.place(child, child.get("name", ""))
             except ValueMistakeError as error:
                 self._warn(f"a <{child.tag}> of the link '{name:.80}' is left out: {error}")
                 continue
             part = self._geometry.node(
-                child, link.part.path, f"{name}_{child.get('name') or number}", pose, is_static=is_static
+                child, link.part.path, f"{name}_{child.get('name') or index}", pose, is_static=is_static
             )
             if part is not None:
                 result.parts.append(part)

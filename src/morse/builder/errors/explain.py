@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError, Step, checks
-from morse.builder.errors.missing import missing_component
 from morse.builder.legacy import language
 from morse.builder.names import frames
 from morse.builder.names.catalog import KINDS
@@ -24,8 +23,45 @@ from morse.middleware import registry
 from morse.scene import SourceLine
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from types import FrameType, TracebackType
+
+#: components of 1.4 by kind; names that are available meanwhile have no effect here
+_OF_1_4: Mapping[str, tuple[str, ...]] = {
+    "sensor": (
+        *("Accelerometer", "Airspeed", "ArmaturePose", "Attitude", "Barometer", "Battery", "Clock", "Collision"),
+        *("CompoundSensor", "DepthCamera", "DepthCameraAggregator", "DepthCameraRotationZ", "DepthVideoCamera", "GPS"),
+        *("Gyroscope", "HumanPosture", "IMU", "Kinect", "Magnetometer", "PTUPosture", "RawImage", "SearchAndRescue"),
+        *("SemanticCamera", "StereoUnit", "Thermometer", "Velocity", "Velodyne", "VelodyneZB", "VideoCamera"),
+    ),
+    "actuator": (
+        *("Arucomarker", "Armature", "Destination", "Drag", "ExternalForce", "ForceTorque", "Gripper", "KukaLWR"),
+        *("Light", "MocapControl", "Orientation", "PA10", "PTU", "QuadrotorDynamicControl", "RotorcraftAttitude"),
+        *("RotorcraftVelocity", "RotorcraftWaypoint", "Sound", "StabilizedQuadrotor", "SteerForce", "Waypoint"),
+    ),
+    "robot": ("BarePR2", "BasePR2", "Human", "LocalizedPR2", "NavPR2"),
+}
+
+
+def missing_component(name: str) -> tuple[str, str] | None:
+    """Return the error and the correction for a component of 1.4 that this version does not have.
+
+    Returns:
+        None for any other name.
+    """
+    import morse.builder
+
+    by_folded = {present.casefold(): (present, kind) for kind, names in _OF_1_4.items() for present in names}
+    present, kind = by_folded.get(name.casefold(), ("", ""))
+    if not present or hasattr(morse.builder, present):
+        return None
+    there = sorted(getattr(morse.builder, f"{kind}s").__all__)
+    choices = ", ".join(other for other in there if not other.endswith("Creator"))
+    return (
+        f"MORSE has no {kind} {present} yet (it was in MORSE 1.4)",
+        f"Available {kind}s: {choices}. To write one, use: morse add {kind} NAME ENVIRONMENT",
+    )
+
 
 _CALL = re.compile(r"^([\w.<>]+)\(\) (.*)$", re.DOTALL)
 _KEYWORD = re.compile(r"unexpected keyword argument '(\w+)'")

@@ -11,7 +11,6 @@ from morse.core.kinds.covariance import covariances
 from morse.core.kinds.installed import kind_named
 from morse.core.kinds.kind import ORIENTATION
 from morse.core.kinds.message import Message
-from morse.core.kinds.replaced import uses_after_modifiers
 from morse.core.kinds.slot_values import as_slot, as_slot_rows
 from morse.core.kinds.sources import Among, source_of
 from morse.core.kinds.table import GENERAL, PICTURES
@@ -29,6 +28,36 @@ if TYPE_CHECKING:
     from morse.core.kinds.sources import Source
     from morse.core.object import Object
     from morse.core.values import Fields, Value
+
+
+def uses_after_modifiers(uses: Iterable[KindUse], fields: Mapping[str, DataField]) -> Iterator[KindUse]:
+    """Return the kinds after the modifiers have been applied.
+
+    A pose whose position is longitude, latitude and altitude becomes a ``fix``, with an ``attitude`` on the sub-topic
+    ``attitude`` if it has an orientation. A pose in geocentric coordinates has no specific kind.
+    """
+    for use in uses:
+        frame = _frame_of_position(use, fields) if use.kind == "pose" else ""
+        if frame == "wgs84":
+            yield from _as_fix(use)
+        elif frame != "geocentric":
+            yield use
+
+
+def _frame_of_position(use: KindUse, fields: Mapping[str, DataField]) -> str:
+    position = use.slots["position"]
+    first = position[0] if isinstance(position, (tuple, list)) else None
+    field = fields.get(str(first))
+    return "" if field is None else field.frame
+
+
+def _as_fix(use: KindUse) -> Iterator[KindUse]:
+    longitude, latitude, altitude = use.slots["position"]
+    slots = {"latitude": latitude, "longitude": longitude, "altitude": altitude}
+    yield use._replace(kind="fix", slots=slots)
+    if "orientation" in use.slots:
+        slots = {"orientation": use.slots["orientation"]}
+        yield use._replace(kind="attitude", slots=slots, topic=f"{use.topic}/attitude".strip("/"))
 
 
 #: parts of the declaration of a field that a modifier can change

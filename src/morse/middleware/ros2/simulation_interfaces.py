@@ -9,6 +9,9 @@ from __future__ import annotations
 import re
 from time import thread_time
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import numpy as np
 
 from morse.core import status
 from morse.core.exceptions import MorseBuilderError
@@ -16,9 +19,7 @@ from morse.core.validation.names import check_name, word_of
 from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
 from morse.middleware.ros2.entity_bounds import HULL, bounds, box_of, mistake, overlap
-from morse.middleware.ros2.entity_tags import Notes, chosen
 from morse.middleware.ros2.mapping import NODE
-from morse.middleware.ros2.named_poses import named_poses, pose_bounds
 from morse.middleware.ros2.served import Served
 from morse.middleware.ros2.simulation_steps import action_type
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
@@ -26,7 +27,7 @@ from morse.rosmsgs.poses import pose_of, quaternion_of
 from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Collection, Iterator, Sequence
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
@@ -34,6 +35,68 @@ if TYPE_CHECKING:
     from morse.middleware.ros2.served import Reply
     from morse.rosmsgs.topics.backend import Backend
     from morse.scene.node import Node
+    from morse.scene.scene import Zone
+
+#: categories: object, robot, human, dynamic and static object
+_CATEGORIES = range(5)
+_ALL = 1
+#: longest description and tag, letters, and the number of tags of an entity
+_LONGEST_TEXT, _LONGEST_TAG, _MOST = 2000, 200, 100
+
+
+class Notes:
+    """Notes of clients; those about an entity end with it."""
+
+    def __init__(self) -> None:
+        self._notes: WeakKeyDictionary[Node, RosMessage] = WeakKeyDictionary()
+
+    def of(self, root: Node) -> RosMessage | None:
+        """The EntityInfo that a client has set."""
+        return self._notes.get(root)
+
+    def set(self, root: Node, info: RosMessage) -> str | None:
+        """Replace the notes about an entity; returns what is wrong with them."""
+        category, tags = info["category"]["category"], [str(tag) for tag in info["tags"]]
+        if category not in _CATEGORIES:
+            return f"info.category is 0 to {_CATEGORIES[-1]}, not {category}"
+        if len(info["description"]) > _LONGEST_TEXT:
+            return f"info.description has {len(info['description'])} letters; at most {_LONGEST_TEXT} are possible"
+        if len(tags) > _MOST or any(len(tag) > _LONGEST_TAG for tag in tags):
+            return f"info.tags has at most {_MOST} tags of up to {_LONGEST_TAG} letters"
+        self._notes[root] = {**info, "tags": tags}
+        return None
+
+
+def chosen(tags: Collection[str], message: RosMessage) -> bool:
+    """Whether something with some tags passes a TagsFilter; an empty filter passes everything."""
+    wanted = {str(tag) for tag in message["tags"]}
+    if message.get("filter_mode") == _ALL:
+        return wanted <= set(tags)
+    return not wanted or not wanted.isdisjoint(tags)
+
+
+def named_poses(zones: Sequence[Zone], tags: RosMessage) -> list[RosMessage]:
+    """The centres of the zones whose type passes a TagsFilter; the tag of a zone is its type."""
+    return [
+        {
+            "name": zone.node.name,
+            "description": f"zone of the type {zone.type}",
+            "tags": [zone.type],
+            "pose": {"position": xyz(zone.node.location), "orientation": quaternion((1.0, 0.0, 0.0, 0.0))},
+        }
+        for zone in zones
+        if chosen([zone.type], tags)
+    ]
+
+
+def pose_bounds(zones: Sequence[Zone], name: str) -> RosMessage | None:
+    """The bounds of a zone in the world; None if there is none of that name."""
+    for zone in zones:
+        if zone.node.name == name:
+            centre, half = np.array(zone.node.location), np.abs(zone.node.scale)
+            return bounds((centre - half, centre + half))
+    return None
+
 
 _UNSUPPORTED, _OK, _NOT_FOUND, _INCORRECT_STATE, _FAILED = 0, 1, 2, 3, 4
 #: constants of SetSimulationState and SpawnEntity

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
+import socket
+import stat
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +15,6 @@ from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import SUCCESS
-from morse.middleware.socket.calls import Calls
-from morse.middleware.socket.local import listen_locally, remove, wanted_path
 from morse.middleware.socket.protocol import MalformedRequest, format_failure, format_reply, parse_request
 from morse.middleware.socket.service_client import ServiceClient
 from morse.middleware.socket.turns import Turns
@@ -29,6 +30,131 @@ if TYPE_CHECKING:
 
     #: bytes, or a function that returns them when they are sent
     _Reply = bytes | Callable[[], bytes]
+
+#: the environment variable with its path; without it there is none
+PATH_VARIABLE = "MORSE_SOCKET_PATH"
+#: read and write for the owner only
+_MODE = 0o600
+
+
+def wanted_path() -> str | None:
+    """The path in the environment variable, or None."""
+    return variables.text(PATH_VARIABLE) or None
+
+
+def listen_locally(path: str) -> socket.socket:
+    """Listen on a Unix socket that only its owner may use; a socket that an ended program has left is replaced.
+
+    Raises:
+        MorseMiddlewareError: another program listens there, the path is that of another file, or cannot be used.
+    """
+    if not hasattr(socket, "AF_UNIX"):
+        raise MorseMiddlewareError(f"{PATH_VARIABLE}: this system has no Unix sockets")
+    _remove_left_over(path)
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    # without the mask, others could connect before the mode is set
+    mask = os.umask(0o777 & ~_MODE)
+    try:
+        listener.bind(path)
+        os.chmod(path, _MODE)
+        listener.listen()
+        listener.setblocking(False)
+    except OSError as error:
+        listener.close()
+        raise MorseMiddlewareError(f"{PATH_VARIABLE}: cannot listen on {path}: {error.strerror or error}") from None
+    finally:
+        os.umask(mask)
+    return listener
+
+
+def _remove_left_over(path: str) -> None:
+    try:
+        mode = os.lstat(path).st_mode
+    except OSError:
+        return
+    if not stat.S_ISSOCK(mode):
+        raise MorseMiddlewareError(f"{PATH_VARIABLE}: {path} exists and is no socket; set another path")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        probe.settimeout(1.0)
+        try:
+            probe.connect(path)
+        except ConnectionRefusedError:
+            with contextlib.suppress(OSError):
+                os.unlink(path)
+            return
+        except OSError as error:
+            raise MorseMiddlewareError(f"{PATH_VARIABLE}: {path} cannot be used: {error.strerror}") from None
+    raise MorseMiddlewareError(f"{PATH_VARIABLE}: another simulation listens on {path}; set another path")
+
+
+def remove(path: str) -> None:
+    """Remove the file of a socket that nobody listens on any more."""
+    with contextlib.suppress(OSError, MorseMiddlewareError):
+        _remove_left_over(path)
+
+
+#: maximum number of ids of a client that are stored
+_REMEMBERED = 1024
+
+
+class Calls:
+    """The active asynchronous calls of all clients; every operation takes constant time."""
+
+    def __init__(self) -> None:
+        self._callers: dict[uuid.UUID, tuple[ServiceClient, str]] = {}
+        self._of_request: dict[str, dict[uuid.UUID, None]] = {}
+        self._of_client: dict[ServiceClient, dict[str, dict[uuid.UUID, None]]] = {}
+        self._numbers: dict[ServiceClient, dict[str, None]] = {}
+
+    def __len__(self) -> int:
+        return len(self._callers)
+
+    def issued(self, client: ServiceClient, request: str) -> None:
+        """Note that a client has used that request id."""
+        ids = self._numbers.setdefault(client, {})
+        ids[request] = None
+        if len(ids) > _REMEMBERED:
+            del ids[next(iter(ids))]
+
+    def add(self, call: uuid.UUID, client: ServiceClient, request: str) -> None:
+        """Add an active call."""
+        self._callers[call] = (client, request)
+        self._of_request.setdefault(request, {})[call] = None
+        self._of_client.setdefault(client, {}).setdefault(request, {})[call] = None
+        client.calls += 1
+
+    def remove(self, call: uuid.UUID) -> tuple[ServiceClient, str]:
+        """Remove a call that has ended; returns its client and request id."""
+        client, request = self._callers.pop(call)
+        _remove(self._of_request, request, call)
+        _remove(self._of_client[client], request, call)
+        if not self._of_client[client]:
+            del self._of_client[client]
+        client.calls -= 1
+        return client, request
+
+    def find(self, client: ServiceClient, request: str) -> uuid.UUID | None:
+        """The latest call with that id: of the client, or of another one if this client has never used the id."""
+        own = self._of_client.get(client, {}).get(request)
+        if own:
+            return next(reversed(own))
+        if request in self._numbers.get(client, ()):
+            return None
+        others = self._of_request.get(request)
+        return next(reversed(others)) if others else None
+
+    def forget(self, client: ServiceClient) -> list[uuid.UUID]:
+        """Remove a client that has disconnected; returns its active calls."""
+        self._numbers.pop(client, None)
+        return [call for calls in self._of_client.get(client, {}).values() for call in calls]
+
+
+def _remove(index: dict[str, dict[uuid.UUID, None]], request: str, call: uuid.UUID) -> None:
+    calls = index[request]
+    del calls[call]
+    if not calls:
+        del index[request]
+
 
 logger = logging.getLogger(__name__)
 

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
+from morse.core.actuator import Actuator
 from morse.core.classes.classpath import load_class
-from morse.core.declarations import properties
+from morse.core.declarations import DataField, properties
+from morse.core.sensor import Sensor
 from morse.core.validation.errors import PropertyError
 from morse.core.validation.properties import checked_value
 from morse.mathutils import Matrix
 from morse.recording.errors import RecordingError
 from morse.recording.made import form
 from morse.recording.made.packing import MESH_ARRAYS, SHAPE_ARRAYS
-from morse.recording.made.panels import PANEL, STAND_INS
 from morse.scene import (
     Bone,
     CollisionShape,
@@ -33,7 +34,52 @@ from morse.scene import (
 from morse.system.packed_keys import check_keys
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
+
+    from morse.core.values import Fields
+    from morse.recording.made.form import PanelForm
+
+#: property of a node with the panel of its component
+PANEL = "recorded panel"
+
+
+class _Recorded:
+    """Has the fields that the recording describes, and does nothing."""
+
+    def __init__(self, obj: Any, parent: object = None) -> None:
+        panel: PanelForm = obj.node.properties[PANEL]
+        self._fields = {
+            one.name: DataField(one.value, one.type, one.doc, unit=one.unit, low=one.low, high=one.high)
+            for one in panel.fields
+        }
+        super().__init__(obj, parent)  # type: ignore[call-arg]
+        self._name, self._short_desc = panel.title, panel.doc
+        self.local_data: Fields
+        for name, field in self._fields.items():
+            self.local_data.setdefault(name, field.default)
+
+    @property
+    def own_fields(self) -> Mapping[str, DataField]:
+        """The described fields."""
+        return self._fields
+
+    def default_action(self) -> None:
+        """Do nothing."""
+
+
+class RecordedSensor(_Recorded, Sensor):
+    """A sensor of a project."""
+
+
+class RecordedActuator(_Recorded, Actuator):
+    """An actuator of a project."""
+
+
+#: class path for a panel by the class of MORSE that is the only one left
+STAND_INS = {
+    f"{base.__module__}.{base.__qualname__}": f"{cls.__module__}.{cls.__qualname__}"
+    for base, cls in ((Sensor, RecordedSensor), (Actuator, RecordedActuator))
+}
 
 
 _MOST_PARTS, _MOST_SLOTS = 20_000, 4096

@@ -8,7 +8,7 @@ The command ``morse check component`` prints the results. Tests of MORSE and of 
         for report in check_component("src/my_sim/sensors/sonar.py"):
             assert report.passed, report
 
-The rules are in `morse.verification.contract.rules`.
+The rules are in `morse.verification.contract.check`.
 """
 
 from morse.verification.contract.check import check_component

@@ -15,7 +15,7 @@ class Fault(NamedTuple):
     """A violation of a rule.
 
     Attributes:
-        rule: its name, see `morse.verification.contract.rules.RULES`.
+        rule: its name, see `morse.verification.contract.check.RULES`.
         text: the fault, the expected value, and how to correct it.
         where: file and line of the declaration; empty if there is none.
     """
