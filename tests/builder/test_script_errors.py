@@ -397,10 +397,10 @@ def test_damaged_scripts_give_a_scene_or_a_report(tmp_path: Path, start: int, le
 def test_what_this_version_lacks_is_said_plainly(
     load: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch, text: str, answers: list[str]
 ) -> None:
-    from morse.builder.errors import missing
+    from morse.builder.errors import explain
 
     lacking = {"sensor": ("Sonar",), "actuator": ("Winch",), "robot": ("Mule",)}
-    monkeypatch.setattr(missing, "_OF_1_4", lacking)
+    monkeypatch.setattr(explain, "_OF_1_4", lacking)
     with pytest.raises(ScriptError) as caught:
         load(HEAD + text + END)
     for answer in answers:
