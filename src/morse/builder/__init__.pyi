@@ -53,10 +53,10 @@ from morse.builder.components.furnished import Light as Light
 from morse.builder.components.furnished import MotionVWDiff as MotionVWDiff
 from morse.builder.components.furnished import PTU as PTU
 from morse.builder.components.furnished import Sound as Sound
-from morse.builder.derive import Human as Human
-from morse.builder.derive import Joystick as Joystick
+from morse.builder.components.human import Human as Human
+from morse.builder.components.joystick import Joystick as Joystick
 from morse.builder.components.lasers import LaserSensorWithArc as LaserSensorWithArc
-from morse.builder.derive import Morsy as Morsy
+from morse.builder.components.morsy import Morsy as Morsy
 from morse.builder.components.passive import PassiveObject as PassiveObject
 from morse.builder.components.passive import Zone as Zone
 from morse.builder.components.pr2 import BarePR2 as BarePR2

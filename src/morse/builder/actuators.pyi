@@ -8,7 +8,7 @@ from morse.builder.components.furnished import Light as Light
 from morse.builder.components.furnished import MotionVWDiff as MotionVWDiff
 from morse.builder.components.furnished import PTU as PTU
 from morse.builder.components.furnished import Sound as Sound
-from morse.builder.derive import Joystick as Joystick
+from morse.builder.components.joystick import Joystick as Joystick
 from morse.builder.creator import ActuatorCreator as ActuatorCreator
 
 __all__ = [

@@ -1,9 +1,9 @@
 # Written by `python -m tools` from what the components declare: do not edit.
 
 from typing import Any
-from morse.builder.derive import DeclaredRobot as DeclaredRobot
-from morse.builder.derive import Human as Human
-from morse.builder.derive import Morsy as Morsy
+from morse.builder.components.declared import DeclaredRobot as DeclaredRobot
+from morse.builder.components.human import Human as Human
+from morse.builder.components.morsy import Morsy as Morsy
 from morse.builder.components.pr2 import BarePR2 as BarePR2
 from morse.builder.components.pr2 import BasePR2 as BasePR2
 from morse.builder.components.pr2 import LocalizedPR2 as LocalizedPR2

@@ -5,7 +5,7 @@ from morse.builder.components.cameras import CameraCreator as CameraCreator
 from morse.builder.components.cameras import Kinect as Kinect
 from morse.builder.components.cameras import VLP16_180 as VLP16_180
 from morse.builder.components.compound import CompoundSensor as CompoundSensor
-from morse.builder.derive import ContactSensor as ContactSensor
+from morse.builder.components.contact_sensors import ContactSensor as ContactSensor
 from morse.builder.components.lasers import LaserSensorWithArc as LaserSensorWithArc
 from morse.builder.creator import SensorCreator as SensorCreator
 

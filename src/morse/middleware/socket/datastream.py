@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Any
 from morse.core.abstractobject import AbstractObject
 from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
-from morse.core.declarations import Option
 from morse.core.exceptions import MorseMiddlewareError, MorseRPCInvokationError
 from morse.core.mapping import maps
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
 from morse.core.services import service
-from morse.middleware.registry import Middleware
 from morse.middleware.socket.frame_server import FrameServer
 from morse.middleware.socket.frames import data_frame, line_frame
+from morse.middleware.socket.mapping import LAST_PORT, MANAGER_OPTIONS
 from morse.middleware.socket.stream_client import StreamServer
 from morse.middleware.socket.streams import SocketStream
 from morse.middleware.socket.time_sync import TimeSync
@@ -78,29 +77,6 @@ class StreamDirectory(AbstractObject):
     def get_binary_port(self) -> int:
         """The TCP port of the binary streams of all sensors."""
         return self._binary_port
-
-
-SYNC_PORT = 6000
-LAST_PORT = 65535
-
-MANAGER_OPTIONS = {
-    "time_sync": Option(bool, False, "a client paces the simulation: each tick waits for its bytes"),
-    "sync_port": Option(int, SYNC_PORT, "TCP port of that client; 0 for any free one", low=0, high=LAST_PORT),
-    "binary_port": Option(int, 0, "TCP port of the binary streams; 0 for any free one", low=0, high=LAST_PORT),
-}
-STREAM_OPTIONS = {"port": Option(int, None, "TCP port of the stream; 0 for any free one", low=0, high=LAST_PORT)}
-
-MIDDLEWARE = Middleware(
-    name="socket",
-    stream_manager="morse.middleware.socket_datastream.SocketDatastreamManager",
-    request_manager="morse.middleware.socket_request_manager.SocketRequestManager",
-    manager_options=MANAGER_OPTIONS,
-    stream_options=STREAM_OPTIONS,
-    default_publisher="morse.middleware.socket_datastream.SocketPublisher",
-    default_reader="morse.middleware.socket_datastream.SocketReader",
-    # these classes carry cameras or nothing, and have no data
-    not_carried=("StereoUnit", "MocapControl"),
-)
 
 
 logger = logging.getLogger(__name__)

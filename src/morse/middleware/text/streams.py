@@ -5,26 +5,12 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import Option
 from morse.core.streams.kind_stream import KindStream
-from morse.middleware.registry import Middleware
+from morse.middleware.text.mapping import STREAM_OPTIONS
 from morse.wire.encoding import written
 
 if TYPE_CHECKING:
     from morse.middleware.text.file import TextFile
-
-STREAM_OPTIONS = {"file": Option(str, None, "path of the file; default: the name of the component and .txt")}
-
-MIDDLEWARE = Middleware(
-    name="text",
-    stream_manager="morse.middleware.text_datastream.TextDatastreamManager",
-    stream_options=STREAM_OPTIONS,
-    default_publisher="morse.middleware.text_datastream.Publisher",
-    default_reader=None,
-    needs_network=False,
-    # images and clouds would be megabytes in each tick
-    not_carried=("Camera", "CameraUnit"),
-)
 
 
 class TextStream(KindStream):
