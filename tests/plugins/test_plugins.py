@@ -94,6 +94,18 @@ def test_old_paths_lead_to_the_same_modules(old: str, present: str):
     assert module.__name__ == module.__spec__.name == present
 
 
+def test_a_folder_that_an_older_checkout_has_left_hides_no_plugin(tmp_path: Path):
+    (tmp_path / "moos" / "__pycache__").mkdir(parents=True)
+    program = (
+        "import morse.middleware\n"
+        f"morse.middleware.__path__.append({str(tmp_path)!r})\n"
+        "from morse.middleware.moos.database import Database\n"
+        "print(Database.__module__)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
+    assert done.stdout.strip() == "morse.plugins.moos.database", done.stderr
+
+
 def test_modules_below_an_old_path_are_loaded_once():
     old = importlib.import_module("morse.middleware.yarp.bottle")
     assert old is importlib.import_module("morse.plugins.yarp.bottle")

@@ -23,7 +23,9 @@ class _OldModules(MetaPathFinder, Loader):
     ) -> ModuleSpec | None:
         parent, _, name = fullname.rpartition(".")
         if parent == __name__:
-            if PathFinder.find_spec(fullname, path) is not None:
+            there = PathFinder.find_spec(fullname, path)
+            # a folder without a module is what an older checkout has left there
+            if there is not None and there.origin is not None:
                 return None
             from morse.middleware.registry import present_module
 
