@@ -265,6 +265,7 @@ MESHES: dict[str, Maker] = {
     "obj: polygons of other sizes": late(".obj", lambda: _TRIANGLE + "".join(
         "f" + " 1 2 3 4 1"[: 4 + 2 * (i % 4)] + " 2" * (i % 1300) + "\n" for i in range(3_000))),
     # PLY
+    "ply: 60,000 empty lines in its header": text(".ply", "ply\nformat ascii 1.0\n" + "\n" * 60_000 + "end_header\n"),
     "ply: 370,000 equal triangles": late(".ply", lambda: ply_of(np.tile([0, 1, 2], (370_000, 1)))),
     "ply: triangles between 4 vertices": late(".ply", lambda: ply_of(
         np.random.default_rng(1).integers(0, 4, (370_000, 3)))),

@@ -106,8 +106,32 @@ _PAIRS = "<tendon>" + "".join(f'<fixed name="t{i}"><joint joint="j" coef="{i}"/>
 _ONE = f'<body name="b"><joint name="j"/>{_BOX}<site name="s"/></body>'
 _POLYGON = _TRIANGLE + "f" + " 1 2 3" * 400_000 + "\n"
 
+_SDF_PAIR = '<link name="a"/><link name="b"/>'
+_SDF_JOINT = '<joint name="a" type="fixed"><parent>a</parent><child>b</child></joint>'
+
+
+def sdf(content: str, tag: str = "model") -> str:
+    """An SDF file."""
+    return f'<sdf version="1.7"><{tag} name="hostile">{content}</{tag}></sdf>'
+
+
 ROBOTS: dict[str, Maker] = {
+    # SDF
+    "sdf: 250,000 comments without an end": text(".sdf", sdf("<!--" * 250_000)),
+    "sdf: 19,000 joints of one name": text(".sdf", sdf(_SDF_PAIR + _SDF_JOINT * 19_000)),
+    "sdf: 19,000 links of one name": text(".sdf", sdf('<link name="a"/>' * 19_000)),
+    "sdf: 9,000 models of one name": text(".sdf", sdf(
+        '<model name="a"><static>1</static><link name="a"/></model>' * 9000, "world")),
+    "sdf: 9,000 shapes of one name": text(".sdf", sdf('<link name="a">' + (
+        '<visual name="a"><geometry><box><size>1 1 1</size></box></geometry></visual>' * 9000) + "</link>")),
+    "sdf: 19,000 frames in a row": text(".sdf", sdf('<link name="a"/>' + "".join(
+        f'<frame name="f{i}" attached_to="f{i + 1}"/>' for i in range(19_000)))),
+    "sdf: 190 nested models": text(".sdf", sdf('<model name="a"><link name="a"/>' * 95 + "</model>" * 95)),
+    "sdf: entities": text(".sdf", '<!DOCTYPE a [<!ENTITY b "c">]>' + sdf("&b;")),
+    "sdf: 2,500 files of a model that includes itself": text(".sdf", sdf(
+        "<include><uri>hostile.sdf</uri></include>" * 2500, "world")),
     # MJCF
+    "mjcf: 250,000 comments without an end": text(".xml", mjcf("<!--" * 250_000)),
     "mjcf: 20,000 equal boxes": text(".xml", mjcf(_BOX * 20_000)),
     "mjcf: 90,000 equal boxes": late(".xml", lambda: mjcf(_BOX * 90_000)),
     "mjcf: 50,000 boxes": late(".xml", lambda: mjcf(_boxes(50_000))),
@@ -174,6 +198,10 @@ ROBOTS: dict[str, Maker] = {
     "urdf: 30,000 sensors": late(".urdf", lambda: urdf('<link name="a"/>' + (
         '<gazebo reference="a"><sensor type="camera" name="c"/></gazebo>' * 30_000))),
     "urdf: nested elements": late(".urdf", lambda: urdf("<link>" * 300_000 + "</link>" * 300_000)),
+    "urdf: 200,000 substitutions without an end": late(".urdf", lambda: urdf(
+        f'<link name="a"><visual><geometry><mesh filename="{"$(env" * 200_000}"/></geometry></visual></link>')),
+    "urdf: 1,000,000 blanks in a substitution": late(".urdf", lambda: urdf(
+        f'<link name="a"><visual><geometry><mesh filename="$(env{" " * 1_000_000}"/></geometry></visual></link>')),
     "urdf: entities": text(".urdf", '<!DOCTYPE robot [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;">]>'
         + urdf("&b;" * 1000)),
     "urdf: 30,000 attributes": late(".urdf", lambda: urdf(

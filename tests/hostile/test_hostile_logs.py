@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from morse.assets.loader import load
 from morse.core.clients.complaints import Complaints
 from morse.core.reports.folding import Folding
 from morse.core.reports.log import MorseFormatter
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 
 class Lines(logging.Handler):
@@ -130,3 +132,11 @@ for number in range(1000):
     lines = (done.stdout + done.stderr).splitlines()
     assert len(lines) < 30
     assert _count(lines) == 2000
+
+
+def test_a_file_with_many_mistakes_fills_no_log(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = tmp_path / "many.sdf"
+    path.write_text('<sdf version="1.7"><model name="m">' + '<link name="a"/>' * 500 + "</model></sdf>")
+    load(path)
+    assert len(caplog.messages) <= 101
+    assert caplog.messages[-1] == f"many.sdf: {len(load(path).warnings) - 100} more warnings of this file"

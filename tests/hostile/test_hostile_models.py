@@ -32,6 +32,8 @@ SHORT = (
     "collada: instances, depth 22", "collada: circle", "collada: no scene", "collada: 100,000 instances of a geometry",
     "gltf: 40 times one sparse file", "gltf: 9,000 uses of one array", "gltf: matrix of 1e308", "gltf: nested lists",
     "obj: polygon of 1.2 M corners", "ply: 370,000 equal triangles", "ply: 4,000,000,000 vertices", "stl: wrong count",
+    "mjcf: 250,000 comments without an end", "sdf: 250,000 comments without an end", "sdf: 19,000 joints of one name",
+    "urdf: 1,000,000 blanks in a substitution",
     "mjcf: 90,000 equal boxes", "mjcf: nested replicate", "mjcf: files that include each other twice",
     "urdf: 100,000 links", "urdf: 1,990 moving links with masses", "urdf: collada instances", "urdf: entities",
     "picture: 60 materials, one picture",

@@ -13,6 +13,7 @@ from morse.builder import ATRV, Environment, Pose
 from morse.core.exceptions import MorseError
 from morse.core.state import StateError
 from morse.core.validation.names import LONGEST_NAME, RESERVED, check_name, file_name, word_of
+from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -147,3 +148,16 @@ def test_the_text_stream_of_a_spawned_robot_overwrites_nothing(tmp_path: Path, m
     assert (tmp_path / "guest.pose.txt").read_text() == "precious"
     assert (tmp_path / "guest.pose_2.txt").read_text().startswith("ROBOT guest || SENSOR guest.pose")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["guest.pose.txt", "guest.pose_2.txt", "robot.pose.txt"]
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 99, 100, 101, 102, 103, 1000, 5000])
+def test_a_free_name_among_many_equal_ones_is_the_first_and_is_found_soon(count: int) -> None:
+    taken = {"a", *(f"a_{number}" for number in range(2, count + 1))} if count else set()
+    asked: list[str] = []
+
+    def is_taken(name: str) -> bool:
+        asked.append(name)
+        return name in taken
+
+    assert free_name("a", is_taken) == ("a" if not count else f"a_{max(count + 1, 2)}")
+    assert len(asked) <= 130

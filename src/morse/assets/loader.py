@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+#: warnings of a file that are logged
+_MOST_WARNINGS = 100
 #: from a path and arguments to (modification time, size) of the file and its content
 _cache: dict[tuple[Path, tuple[tuple[str, str], ...]], tuple[tuple[int, int], Library]] = {}
 
@@ -66,8 +68,10 @@ def load(path: str | Path, arguments: Mapping[str, str] | None = None) -> Librar
 def _warn(path: Path, library: Library, *, read: bool = False) -> None:
     """Log the warnings of a file, once for each scene; outside of a scene, when it is read."""
     if library.warnings and is_first(path, otherwise=read):
-        for warning in library.warnings:
+        for warning in library.warnings[:_MOST_WARNINGS]:
             logger.warning("%s: %s", path.name, warning)
+        if len(library.warnings) > _MOST_WARNINGS:
+            logger.warning("%s: %d more warnings of this file", path.name, len(library.warnings) - _MOST_WARNINGS)
 
 
 def instantiate(node: Node) -> Node:

@@ -31,7 +31,7 @@ FOLDERS = (*_VARIABLES, "AMENT_PREFIX_PATH", "MORSE_RESOURCE_PATH", "MORSE_ROOT"
 #: files that mark the folder of a project whose models share meshes
 _PYTHON = "__init__.py"
 _PROJECT_MARKS = (".git", "pyproject.toml", "setup.py", _PYTHON)
-_NAME = re.compile(rb"<name[^>]*>([^<]+)</name>")
+_NAME = re.compile(rb"<name[^<>]*>([^<]+)</name>")
 #: maximum number of folders that are searched for packages, and size of the beginning of a ``package.xml``, bytes
 _MOST_FOLDERS, _MOST_BYTES = 1000, 1 << 16
 #: maximum number of folders above a model that are searched for its package

@@ -65,7 +65,7 @@ _PREFIXED = {
 _ZERO_POINTS = {"°C": (1.0, 273.15), "degC": (1.0, 273.15), "°F": (5.0 / 9.0, 459.67 * 5.0 / 9.0)}
 _POWERS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 _TERM = re.compile(r"([^\d^*·/\s⁻⁰¹²³⁴⁵⁶⁷⁸⁹-]+|1)(?:(?:\^|\*\*)?(-?\d+)|([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?")
-_SEPARATOR = re.compile(r"\s*(/|·|(?<!\*)\*(?!\*))\s*")
+_SEPARATOR = re.compile(r"(/|·|(?<!\*)\*(?!\*))")
 
 
 class UnitError(MorseDeclarationError):
@@ -86,11 +86,11 @@ def unit(text: str) -> Unit:
         return Unit(1.0, 0.0, ((text, 1),))
     factor, powers = 1.0, dict[str, int | Fraction]()
     sign = 1
-    for index, part in enumerate(_SEPARATOR.split(text.strip())):
+    for index, part in enumerate(_SEPARATOR.split(text)):
         if index % 2:
             sign = -1 if part == "/" else 1
             continue
-        scale, dimension = _term(part, text)
+        scale, dimension = _term(part.strip(), text)
         factor *= scale**sign
         for name, power in dimension:
             powers[name] = powers.get(name, 0) + sign * power

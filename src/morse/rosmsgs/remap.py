@@ -27,7 +27,7 @@ _DURABILITY = {"volatile": False, "transient_local": True}
 _ENTRIES = ("topic", "reliability", "durability", "depth")
 _DEEPEST = 10_000
 _LINE = re.compile(
-    r"""(?P<indent>[ ]*)(?P<key>"[^"]*"|'[^']*'|[^\s"'#:{}\[\],&*!|>%@`-][^"'#:]*?)[ ]*:(?:[ ]+(?P<value>.*))?"""
+    r"""(?P<indent>[ ]*)(?P<key>"[^"]*"[ ]*|'[^']*'[ ]*|[^\s"'#:{}\[\],&*!|>%@`-][^"'#:]*):(?:[ ]+(?P<value>.*))?"""
 )
 _COMMENT = re.compile(r"""^((?:[^"'#]|"[^"]*"|'[^']*')*?)(?:(?:^|(?<=\s))#.*)?$""")
 
@@ -122,7 +122,7 @@ def _read(path: Path) -> Iterator[tuple[str, object, str]]:
         match = _LINE.fullmatch(text)
         if match is None:
             raise MorseMiddlewareError(f"{where}: {shown(text.strip())}, expected 'name: value', indented by spaces")
-        key, value = _plain(match["key"]), _plain(match["value"] or "")
+        key, value = _plain(match["key"].rstrip(" ")), _plain(match["value"] or "")
         if not match["indent"]:
             if topic is not None:
                 yield topic

@@ -23,7 +23,7 @@ _OBJ_VERTICES = re.compile(rb"^[ \t]*v[ \t]", re.MULTILINE)
 _MOST_MARKS = 300_000_000
 #: bytes of the header of a PLY file, and elements that it defines
 _PLY_HEADER, _PLY_ELEMENTS = 1 << 16, 100
-_PLY_ELEMENT = re.compile(rb"^\s*element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
+_PLY_ELEMENT = re.compile(rb"^[^\S\n]*element[^\S\n]+(\S+)[^\S\n]+(\d+)[^\S\n]*$", re.MULTILINE)
 
 
 def check_counts(path: Path, below: Below) -> None:

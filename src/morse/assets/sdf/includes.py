@@ -66,6 +66,7 @@ class Includes:
     _roots: dict[Path, Element] = field(default_factory=dict)
     _sizes: dict[Path, int] = field(default_factory=dict)
     _places: dict[tuple[str, Path], Path | FileRefusedError] = field(default_factory=dict)
+    _warned: set[str] = field(default_factory=set)
     _includes: int = 0
     _parts: int = 0
     _stack: list[Path] = field(default_factory=list)
@@ -90,7 +91,8 @@ class Includes:
 
     def warn(self, text: str) -> None:
         """Add a warning, once."""
-        if text not in self.warnings:
+        if text not in self._warned:
+            self._warned.add(text)
             self.warnings.append(text)
 
     def world(self, element: Element, path: Path, version: tuple[int, ...]) -> Scope:

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 _PROGRAM = "morse.assets.urdf.xacro_program"
 #: package://, file://
 _URL = re.compile(r"[a-z][a-z0-9+.-]*://")
-_SUBSTITUTION = re.compile(r"\$\((optenv|env|find|dirname)\s*([^)]*)\)")
+#: up to the next one: its end is searched once
+_SUBSTITUTION = re.compile(r"\$\((optenv|env|find|dirname)((?:[^)$]|\$(?!\())*)\)")
 
 
 def read_expanded(path: Path) -> ElementTree.Element:
