@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,6 +11,8 @@ from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles.reader import read_meshes
 from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.system import budget
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -60,3 +63,83 @@ def test_a_device_or_a_folder_is_not_called_missing(tmp_path: Path) -> None:
             find_near(name, model)
     with pytest.raises(FileRefusedError, match="does not exist"):
         find_near("nothing.stl", model)
+
+
+_LINK = '<sdf version="1.7"><model name="{}"><link name="l">{}</link></model></sdf>'
+_VISUAL = '<visual name="v"><geometry>{}</geometry>{}</visual>'
+_BOX = "<box><size>1 1 1</size></box>"
+
+
+@pytest.mark.parametrize("how", ["up", "absolute", "backslashes", "link"])
+@pytest.mark.parametrize("is_downloaded", [False, True], ids=["beside", "downloaded"])
+def test_the_model_of_a_folder_is_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str, is_downloaded: bool
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
+    secret = tmp_path / "secret.sdf"
+    secret.write_text(_LINK.format("secret", _VISUAL.format(_BOX, "")))
+    (tmp_path / "worlds").mkdir()
+    cache = tmp_path / "home/.gz/fuel/fuel.gazebosim.org/me/models/m/1"
+    folder = cache if is_downloaded else tmp_path / "worlds/models/m"
+    folder.mkdir(parents=True)
+    up = "/".join([".."] * len(folder.relative_to(tmp_path).parts))
+    names = {"up": f"{up}/secret.sdf", "absolute": str(secret), "backslashes": f"{up}/secret.sdf".replace("/", "\\")}
+    (folder / "model.config").write_text(f"<model><sdf>{names.get(how, 'model.sdf')}</sdf></model>")
+    if how == "link":
+        (folder / "model.sdf").symlink_to(secret)
+    uri = "https://fuel.gazebosim.org/1.0/me/models/m" if is_downloaded else "model://m"
+    world = tmp_path / "worlds/w.sdf"
+    world.write_text(f'<sdf version="1.7"><world name="w"><include><uri>{uri}</uri></include></world></sdf>')
+    library = load(world)
+    assert [node.name for node in library.nodes() if node.mesh is not None] == []
+    assert len(library.warnings) == 1
+
+
+def test_scripts_of_materials_are_read_once_and_in_the_folder(tmp_path: Path) -> None:
+    secret = tmp_path / "secret.material"
+    secret.write_text("material secret\n diffuse 1 0 0 1\n")
+    folder = tmp_path / "m/scripts"
+    folder.mkdir(parents=True)
+    (folder / "a.material").write_bytes(b"material a\n" + b"diffuse 0 1 0 1\n" * 200_000)
+    for number in range(99):
+        (folder / f"b{number}.material").symlink_to("a.material")
+    (folder / "c.material").symlink_to(secret)
+    visuals = "".join(
+        _VISUAL.format(
+            _BOX, f"<material><script><uri>{'./' * number}scripts</uri><name>{name}</name></script></material>"
+        )
+        for number, name in enumerate(["a", "secret"] * 20)
+    )
+    (tmp_path / "m/model.sdf").write_text(_LINK.format("m", visuals))
+    (tmp_path / "m/model.config").write_text("<model/>")
+    begin = time.process_time()
+    library = load(tmp_path / "m/model.sdf")
+    assert time.process_time() - begin < 5.0  # of one file: 0.5 s
+    assert library.warnings == ["the material 'secret' is left out: no script of the model contains it"]
+
+
+def test_references_beside_many_packages_are_found_soon(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(budget, "MOST_SEARCHES", 1000)
+    for number in range(300):
+        (tmp_path / f"p{number}").mkdir()
+        (tmp_path / f"p{number}/package.xml").write_text(f"<package><name>q{number}</name></package>")
+    (tmp_path / "p299/a.stl").write_bytes(bytes(84))
+    model = tmp_path / "robot/robot.urdf"
+    model.parent.mkdir()
+    mesh = '<visual><geometry><mesh filename="package://{}.stl"/></geometry></visual>'
+    model.write_text(
+        f'<robot name="r"><link name="a">{"".join(mesh.format(f"q{i}/a") for i in range(2000))}</link></robot>'
+    )
+    begin = time.process_time()
+    warnings = load(model).warnings
+    assert time.process_time() - begin < 8.0  # a search took 20 ms
+    assert any(
+        "refers to more than 20,000 files" in one or "refers to more than 1,000 files" in one for one in warnings
+    )
+
+
+def test_a_limit_that_is_used_up_is_an_error_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"a")
+    with pytest.raises(OSError, match="larger than 0 bytes"):
+        read_regular(tmp_path / "a", 0)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+from functools import partial
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets import search
 from morse.system import variables
+from morse.system.budget import BudgetError, once_for_file, take_search
 from morse.system.regular_files import open_regular
 from morse.system.shared_folders import folders_above
 
@@ -59,7 +61,7 @@ def find_near(name: str, model: Path) -> Path:
     Raises:
         FileRefusedError: the file does not exist, or is in another folder.
     """
-    return _find(name, model, os.path.isfile)
+    return _found(name, model, os.path.isfile)
 
 
 def find_folder_near(name: str, model: Path) -> Path:
@@ -68,7 +70,26 @@ def find_folder_near(name: str, model: Path) -> Path:
     Raises:
         FileRefusedError: the folder does not exist, or is in another folder.
     """
-    return _find(name, model, os.path.isdir)
+    return _found(name, model, os.path.isdir)
+
+
+def _found(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
+    """Search what a model refers to, once; a file may refer to it thousands of times."""
+
+    def found() -> Path | str:
+        take_search()
+        try:
+            return _find(name, model, exists)
+        except FileRefusedError as error:  # not the error itself, which holds its frames
+            return str(error)
+
+    try:
+        result = once_for_file(found, _found, name, model, exists)
+    except BudgetError as error:
+        raise FileRefusedError(str(error)) from None
+    if isinstance(result, str):
+        raise FileRefusedError(result)
+    return result
 
 
 def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
@@ -80,7 +101,7 @@ def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
                 other_kind = candidate
             continue
         real = Path(os.path.realpath(candidate))
-        if any(real.is_relative_to(os.path.realpath(folder)) for folder in (*own, *_folders(model))):
+        if any(map(real.is_relative_to, (*map(os.path.realpath, own), *_readable(model)))):
             return candidate
         elsewhere = elsewhere or real
     if elsewhere is not None:
@@ -116,10 +137,19 @@ def _packages(name: str, model: Path) -> Iterator[Path]:
     """The folders whose ``package.xml`` has a name: above the model, beside these folders, and in listed folders."""
     above = list(model.absolute().parents)[:_LEVELS]
     for folder in [*above, *_listed()]:
-        if _name_of(folder) == name:
+        if once_for_file(partial(_name_of, folder), _name_of, folder) == name:
             yield folder
-        if folder != Path(folder.anchor) and folder.is_dir():
-            yield from (one for one in sorted(folder.iterdir())[:_MOST_FOLDERS] if _name_of(one) == name)
+        yield from once_for_file(partial(_packages_in, folder), _packages_in, folder).get(name, ())
+
+
+def _packages_in(folder: Path) -> dict[str, list[Path]]:
+    """The packages directly below a folder, by name."""
+    packages: dict[str, list[Path]] = {}
+    if folder != Path(folder.anchor) and folder.is_dir():
+        for one in sorted(folder.iterdir())[:_MOST_FOLDERS]:
+            if (name := _name_of(one)) is not None:
+                packages.setdefault(name, []).append(one)
+    return packages
 
 
 def _name_of(folder: Path) -> str | None:
@@ -137,9 +167,25 @@ def _in_other_capitals(candidates: Iterator[tuple[Path, Owners]]) -> Iterator[tu
     """The same files as on systems that ignore the case of names."""
     for candidate, own in candidates:
         with contextlib.suppress(OSError, ValueError):
-            for name in sorted(os.listdir(candidate.parent))[:_MOST_FOLDERS]:
-                if name != candidate.name and name.casefold() == candidate.name.casefold():
+            folder = candidate.parent
+            for name in once_for_file(partial(_by_folded_name, folder), _by_folded_name, folder).get(
+                candidate.name.casefold(), ()
+            ):
+                if name != candidate.name:
                     yield candidate.with_name(name), own
+
+
+def _by_folded_name(folder: Path) -> dict[str, list[str]]:
+    names: dict[str, list[str]] = {}
+    with contextlib.suppress(OSError):
+        for name in sorted(os.listdir(folder))[:_MOST_FOLDERS]:
+            names.setdefault(name.casefold(), []).append(name)
+    return names
+
+
+def _readable(model: Path) -> list[str]:
+    """The folders whose files may all be read, without symbolic links."""
+    return once_for_file(lambda: [os.path.realpath(folder) for folder in _folders(model)], _readable, model)
 
 
 def _folders(model: Path) -> Iterator[Path]:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Hashable, Iterator
 
     from morse.system.workers import Worker
 
@@ -20,8 +20,11 @@ if TYPE_CHECKING:
 MOST_BYTES = 8 << 30
 #: pixels of pictures that are decoded, each by its cost; about 10 ns each
 MOST_PIXELS = 1 << 31
+#: files that are searched by different names, each in about 0.5 ms
+MOST_SEARCHES = 20_000
 #: wall-clock time for pictures that a process decodes, all and one of them, s; its memory, bytes
 MOST_SECONDS, PATIENCE, MOST_MEMORY = 40.0, 15.0, 512 << 20
+_Result = TypeVar("_Result")
 _DECODER = "morse.system.picture_program"
 
 
@@ -35,6 +38,24 @@ class Budget:
     def __init__(self) -> None:
         self._bytes, self._pixels, self._seconds = MOST_BYTES, MOST_PIXELS, MOST_SECONDS
         self._decoder: Worker | None = None
+        self._searches = MOST_SEARCHES
+        self._known: dict[tuple[Hashable, ...], Any] = {}
+
+    def once(self, key: tuple[Hashable, ...], make: Callable[[], Any]) -> Any:
+        """The result of a function, which is called once for each key."""
+        if key not in self._known:
+            self._known[key] = make()
+        return self._known[key]
+
+    def take_search(self) -> None:
+        """Count a file that is searched.
+
+        Raises:
+            BudgetError: there are too many.
+        """
+        self._searches -= 1
+        if self._searches < 0:
+            raise BudgetError(f"the model refers to more than {MOST_SEARCHES:,} files")
 
     def take_bytes(self, count: int) -> None:
         """Count bytes that are read.
@@ -110,3 +131,19 @@ def take_bytes(count: int) -> None:
     budget = _budget.get()
     if budget is not None:
         budget.take_bytes(count)
+
+
+def take_search() -> None:
+    """Count a file that is searched for the file that is being read, if there is one; see `Budget.take_search`."""
+    budget = _budget.get()
+    if budget is not None:
+        budget.take_search()
+
+
+def once_for_file(make: Callable[[], _Result], *key: Hashable) -> _Result:
+    """The result of a search: for one file that is read, with all its parts, the disk is searched once for each key."""
+    budget = _budget.get()
+    if budget is None:
+        return make()
+    result: _Result = budget.once(key, make)
+    return result

@@ -85,5 +85,5 @@ def _kind(mode: int) -> str:
 
 
 def _too_large(path: str | Path, most: int) -> OSError:
-    size, unit = next((size, unit) for size, unit in _UNITS if most >= size)
+    size, unit = next(((size, unit) for size, unit in _UNITS if most >= size), _UNITS[-1])
     return RefusedFileError(errno.EFBIG, f"it is larger than {most // size} {unit}", str(path))

@@ -49,7 +49,14 @@ def find_model(uri: str, model: Path) -> Path:
         return find_near(f"{stem}/model.sdf", model)
     file = model_file(folder)
     if file is None:
-        raise FileRefusedError(f"{folder / CONFIG} names no file that exists")
+        raise FileRefusedError(f"{folder / CONFIG} names no file that exists in its folder")
+    return _inside(file, folder)
+
+
+def _inside(file: Path, folder: Path) -> Path:
+    """Return a file that is in a folder, also after symbolic links are resolved."""
+    if not file.resolve().is_relative_to(folder.resolve()):
+        raise FileRefusedError(f"{file.name:.80} of {folder} is a symbolic link that leads out of this folder")
     return file
 
 
@@ -58,7 +65,7 @@ def _downloaded(uri: str, model: Path) -> Path:
     name, page, versions, _ = _of_server(uri)
     for version in versions:
         if (file := model_file(version)) is not None:
-            return file
+            return _inside(file, version)
     try:
         return find_model(f"model://{name}", model)
     except FileRefusedError:

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 _GREY = (0.7, 0.7, 0.7, 1.0)
-#: bytes of a picture
-_MOST_BYTES = 128 << 20
+#: bytes of a picture, and of all scripts of a model
+_MOST_BYTES, _MOST_OF_SCRIPTS = 128 << 20, 8 << 20
 
 
 class Materials:
@@ -37,6 +37,7 @@ class Materials:
         self._pictures = Pictures()
         self._images: dict[Path, Image | None] = {}
         self._scripts: dict[Path, dict[str, Script]] = {}
+        self._script_bytes = _MOST_OF_SCRIPTS
 
     def material(self, visual: Element, path: Path, name: str) -> Material | None:
         """The material of a visual, or None for that of its mesh.
@@ -125,9 +126,11 @@ class Materials:
         return None
 
     def _scripts_in(self, place: Path) -> dict[str, Script]:
+        place = place.resolve()
         if place not in self._scripts:
             try:
-                self._scripts[place] = scripts_in(place)
+                self._scripts[place], size = scripts_in(place, self._script_bytes)
+                self._script_bytes -= size
             except (OSError, ValueError) as error:
                 self._warn(f"the materials in {place} are left out: {error}")
                 self._scripts[place] = {}

@@ -14,8 +14,8 @@ from morse.system.regular_files import read_regular
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: bytes of a script, scripts in a folder, materials in a script
-_MOST_BYTES, _MOST_FILES, _MOST_MATERIALS = 4 << 20, 100, 2000
+#: scripts in a folder, materials in a script
+_MOST_FILES, _MOST_MATERIALS = 100, 2000
 _MATERIAL = re.compile(r'^\s*material\s+("[^"\n]+"|[^\s:{]+)\s*(?::\s*("[^"\n]+"|[^\s{]+))?')
 
 
@@ -34,17 +34,26 @@ class Script:
     texture: str = ""
 
 
-def scripts_in(place: Path) -> dict[str, Script]:
-    """The materials of a file ``*.material``, or of those of a folder.
+def scripts_in(place: Path, most: int) -> tuple[dict[str, Script], int]:
+    """The materials of a file ``*.material``, or of those of a folder, and the number of bytes that were read.
+
+    A symbolic link in the folder that leads out of it is left out.
+
+    Args:
+        most: bytes of all files together.
 
     Raises:
-        OSError: a file cannot be read.
+        OSError: a file cannot be read, or is too large.
     """
     files = [place] if place.is_file() else sorted(place.glob("*.material"))[:_MOST_FILES]
     scripts: dict[str, Script] = {}
-    for file in files:
-        _read(read_regular(file, _MOST_BYTES).decode("utf-8", errors="replace"), scripts)
-    return scripts
+    size = 0
+    for file in dict.fromkeys(file.resolve() for file in files):
+        if file.is_relative_to((place if place.is_dir() else place.parent).resolve()):
+            content = read_regular(file, most - size)
+            size += len(content)
+            _read(content.decode("utf-8", errors="replace"), scripts)
+    return scripts, size
 
 
 def _read(text: str, scripts: dict[str, Script]) -> None:
