@@ -8,6 +8,7 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 from pymorse.channel import Channel
+from pymorse.errors import printable
 from pymorse.frames import NOTICE, decode, read_head
 from pymorse.messages import Messages
 from pymorse.stream import connect
@@ -108,7 +109,7 @@ class BinaryConnection(Channel):
             case {"closed": str(name)} if name in self._streams:
                 self._streams.pop(name).end("the component was deleted")
             case {"error": str(text), "subject": str(name)} if name in self._streams:
-                self._streams.pop(name).end(text)
+                self._streams.pop(name).end(printable(text))
             case {"subscribed": _} | {"closed": _}:
                 pass  # the message was sent before the simulation processed the request to unsubscribe
             case _:

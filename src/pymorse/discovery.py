@@ -6,8 +6,8 @@ import contextlib
 from typing import TYPE_CHECKING, Any
 
 from pymorse.component import Component, Robot
-from pymorse.errors import MorseServiceFailed, MorseTimeoutError
-from pymorse.names import normalize_name
+from pymorse.errors import MorseServiceError, MorseServiceFailed, MorseTimeoutError
+from pymorse.names import checked_name, checked_port, normalize_name
 
 if TYPE_CHECKING:
     from pymorse.pymorse import Morse
@@ -32,27 +32,25 @@ def discover(morse: Morse) -> list[Robot]:
             f"{where} did not list the robots of the simulation within {_TIMEOUT:.0f} s: is this server MORSE, and "
             "has it finished loading?"
         ) from None
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise ConnectionError(f"{where} did not answer in the format of MORSE: {error!r}") from error
+    except (AttributeError, KeyError, TypeError, ValueError, MorseServiceError) as error:
+        raise ConnectionError(f"{where} did not answer in the format of MORSE: {error!r:.500}") from error
 
 
 def _stream_ports(morse: Morse, described: list[dict[str, Any]]) -> dict[str, int]:
-    components = {name: part for robot in described for name, part in robot["components"].items()}
+    components = {checked_name(name): part for robot in described for name, part in robot["components"].items()}
     names = sorted(name for name, part in components.items() if part.get("stream_interfaces"))
     ports = {}
     # all requests are sent first, so that the simulation answers them in one tick
     for name, answer in [(name, morse.call("simulation", "get_stream_port", name)) for name in names]:
         # a stream of another middleware has no port
         with contextlib.suppress(MorseServiceFailed):
-            ports[name] = int(answer.result(_TIMEOUT))
+            ports[name] = checked_port(answer.result(_TIMEOUT))
     return ports
 
 
 def _robot(morse: Morse, described: dict[str, Any], ports: dict[str, int]) -> Robot:
-    name = described["name"]
-    if not isinstance(name, str):
-        raise TypeError(f"{name!r:.80} is the name of a robot, expected a text")
-    robot = Robot(morse, name, name, described.get("services", ()))
+    name = checked_name(described["name"])
+    robot = Robot(morse, name, name, map(checked_name, described.get("services", ())))
     components = described["components"]
     for fqn in sorted(components, key=lambda name: name.count(".")):
         *path, last = fqn.removeprefix(name + ".").split(".")
@@ -64,5 +62,6 @@ def _robot(morse: Morse, described: dict[str, Any], ports: dict[str, int]) -> Ro
         part = components[fqn]
         # a component may also have streams on other middlewares
         directions = [direction for _, direction in part["stream_interfaces"]] if fqn in ports else ()
-        holder._add_part(Component(morse, last, fqn, directions, ports.get(fqn), part.get("services", ())))
+        services = map(checked_name, part.get("services", ()))
+        holder._add_part(Component(morse, last, fqn, directions, ports.get(fqn), services))
     return robot

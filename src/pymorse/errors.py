@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 
+def printable(text: str) -> str:
+    """Return a text of a server for a terminal: characters that control it are escaped, except for line ends."""
+    return "".join(one if one in "\n\t" or one.isprintable() else one.encode("unicode_escape").decode() for one in text)
+
+
 class MorseServiceError(Exception):
     """Base class for all answers other than success."""
 

@@ -18,6 +18,8 @@ NOTICE, DATA, LINE = 0, 1, 2
 MAX_FRAME = 1 << 30
 """Maximum bytes of a frame; a larger frame ends the connection."""
 _ALIGNMENT = 8
+#: bytes of a text whose layout is kept
+_LONGEST_KEPT = 1 << 14
 #: formats of the struct module by type
 _FORMATS = {
     "|b1": "?", "|i1": "b", "|u1": "B", "<i2": "h", "<u2": "H", "<i4": "i", "<u4": "I", "<i8": "q", "<u8": "Q",
@@ -77,7 +79,8 @@ def decode(frame: bytes) -> Any:
     text, offset = frame[HEAD.size : HEAD.size + head.text], HEAD.size + head.text
     if head.kind != DATA:
         return _parse(text)
-    layout = _layout(text)
+    # without a limit, the texts of a hostile simulation would stay in memory
+    layout = (_layout if len(text) <= _LONGEST_KEPT else _layout.__wrapped__)(text)
     contents = 8 * len(layout.numbers) + layout.size
     if len(frame) - offset != contents:
         raise ValueError(f"{contents} bytes of numbers and arrays were expected, {len(frame) - offset} arrived")

@@ -10,12 +10,38 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _FORBIDDEN = re.compile(r"[.\-~]")
+_LONGEST, _DEEPEST = 256, 32
 _COPY = re.compile(r"(?P<base>.+)_(?P<number>\d{3,})")
 
 
 def normalize_name(name: str) -> str:
     """The attribute for a name of the simulation: ``.``, ``-`` and ``~`` become ``_``."""
     return _FORBIDDEN.sub("_", name)
+
+
+def checked_name(name: object) -> str:
+    """A name that a server sent: it becomes an attribute, a part of other names, and a part of messages.
+
+    Raises:
+        ValueError: it is no name of a simulation.
+    """
+    if not isinstance(name, str) or not name.isprintable() or len(name) > _LONGEST or name.count(".") > _DEEPEST:
+        raise ValueError(
+            f"expected a name of at most {_LONGEST} printable characters and {_DEEPEST} dots, got {name!r:.80}"
+        )
+    return name
+
+
+def checked_port(number: object) -> int:
+    """A port that a server sent.
+
+    Raises:
+        ValueError: there is no such port.
+    """
+    text = str(number) if isinstance(number, (int, float, str)) else ""
+    if not re.fullmatch(r"[0-9]{1,5}(\.0)?", text) or not 0 < int(float(text)) < 65536:
+        raise ValueError(f"expected a port from 1 to 65535, got {number!r:.80}")
+    return int(float(text))
 
 
 def series(names: Iterable[str]) -> dict[str, list[str]]:
@@ -27,7 +53,7 @@ def series(names: Iterable[str]) -> dict[str, list[str]]:
     Returns:
         For ``m``, ``m_001``, ``m_002``, the entry ``ms`` with the three names in that order.
     """
-    known = list(names)
+    known = dict.fromkeys(names)
     copies: dict[str, list[tuple[int, str]]] = {}
     for name in known:
         match = _COPY.fullmatch(name)

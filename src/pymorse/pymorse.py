@@ -18,7 +18,7 @@ from pymorse.discovery import discover
 from pymorse.errors import MorseServiceFailed, MorseTimeoutError
 from pymorse.future import MorseFuture
 from pymorse.interruption import end_quietly
-from pymorse.names import normalize_name, series, suggestion
+from pymorse.names import checked_port, normalize_name, series, suggestion
 from pymorse.poller import Poller
 from pymorse.reconnection import Reconnection
 from pymorse.requests import ServiceConnection
@@ -118,7 +118,7 @@ class Morse:
 
     def _find_binary_port(self) -> int:
         try:
-            return int(self.rpc_t(TIMEOUT, "simulation", "get_binary_port"))
+            return checked_port(self.rpc_t(TIMEOUT, "simulation", "get_binary_port"))
         except (MorseServiceFailed, MorseTimeoutError, TypeError, ValueError) as error:
             raise ConnectionError(
                 f"the simulation on {self.host}:{self.port} has no binary streams ({error}): "

@@ -8,7 +8,7 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from pymorse.errors import MorseServiceFailed, MorseServicePreempted
+from pymorse.errors import MorseServiceFailed, MorseServicePreempted, printable
 from pymorse.future import MorseExecutor, MorseFuture
 from pymorse.stream import StreamB, to_json
 
@@ -225,11 +225,12 @@ class ServiceConnection(StreamB):
 
 def _exception(response: Response, name: str) -> Exception:
     error: Exception
+    value = printable(response.value) if isinstance(response.value, str) else response.value
     if response.status == PREEMPTED:
-        error = MorseServicePreempted(response.value)
-    elif _WRONG_ARITY in str(response.value):
-        error = TypeError(response.value)
+        error = MorseServicePreempted(value)
+    elif isinstance(value, str) and _WRONG_ARITY in value:
+        error = TypeError(value)
     else:
-        error = MorseServiceFailed(response.value)
+        error = MorseServiceFailed(value)
     error.add_note(f"(answer of the simulation to {name})")
     return error

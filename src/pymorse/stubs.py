@@ -6,7 +6,8 @@ import contextlib
 from keyword import iskeyword
 from typing import TYPE_CHECKING, Any
 
-from pymorse.errors import MorseServiceError
+from pymorse.errors import MorseServiceError, MorseTimeoutError
+from pymorse.stream import TIMEOUT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,6 +41,7 @@ class Simulation(Morse):
 
     if TYPE_CHECKING:'''
 _END = ""
+_DEEPEST = 8
 _NAMES = {bool: "bool", int: "int", float: "float", str: "str", type(None): "Any"}
 
 
@@ -48,7 +50,7 @@ def stubs(morse: Morse) -> str:
     classes = [line for name in filter(_is_attribute, morse.robots) for line in _classes(morse[name])]
     lines = [_HEAD, *("    " + line if line else "" for line in "\n".join(classes).splitlines())]
     names = [f"        {name}: {_class_name(morse[name])}" for name in morse.robots if _is_attribute(name)]
-    return "\n".join([*lines, _SIMULATION, *names, _END])
+    return "\n".join([*lines, _SIMULATION, *(names or ["        pass"]), _END])
 
 
 def _is_attribute(name: str) -> bool:
@@ -86,15 +88,15 @@ def _classes(component: Component) -> Iterator[str]:
 
 
 def _fields(component: Component) -> dict[str, Any]:
-    with contextlib.suppress(MorseServiceError, KeyError):
-        fields = component._morse.rpc(component.fqn, component._services["get_local_data"])
+    with contextlib.suppress(MorseServiceError, MorseTimeoutError, KeyError):
+        fields = component._morse.rpc_t(TIMEOUT, component.fqn, component._services["get_local_data"])
         if isinstance(fields, dict):
             return {name: value for name, value in fields.items() if isinstance(name, str)}
     return {}
 
 
-def _type_of(value: Any) -> str:
+def _type_of(value: Any, depth: int = 0) -> str:
     if isinstance(value, list):
-        kinds = {_type_of(item) for item in value[:100]}
+        kinds = {_type_of(item, depth + 1) for item in value[:100]} if depth < _DEEPEST else set()
         return f"list[{kinds.pop() if len(kinds) == 1 else 'Any'}]"
     return "dict[str, Any]" if isinstance(value, dict) else _NAMES.get(type(value), "Any")

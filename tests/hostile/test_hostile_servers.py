@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import socket
 import threading
 import time
+import tracemalloc
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from pymorse import Morse, discovery, stream
+from pymorse import Morse, MorseServiceFailed, __main__, discovery, frames, names, stream, stubs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -71,3 +73,118 @@ def test_an_answer_in_another_format_is_named(server: Any, robots: Any) -> None:
     answer = b"0 SUCCESS " + json.dumps({"robots": robots}).encode() + b"\n"
     with pytest.raises(ConnectionError, match="format of MORSE"):
         Morse("127.0.0.1", server(lambda connection: (connection.sendall(answer), time.sleep(5.0))))
+
+
+SENSOR = {"stream_interfaces": [["x", "OUT"]], "services": ["get_local_data"]}
+
+
+def _simulation(
+    server: Any, robots: Any, *, port: str = "4444", data: str | None = "{}", details: str | None = None
+) -> int:
+    """A server that answers requests like a simulation; without data, it never tells those of a sensor."""
+    answers = {"details": details or f"SUCCESS {json.dumps({'robots': robots})}", "get_stream_port": f"SUCCESS {port}",
+               "get_local_data": data and f"SUCCESS {data}"}  # fmt: skip
+
+    def act(connection: socket.socket) -> None:
+        # the fixture has read the first bytes of the first request
+        connection.sendall(f"0 {answers['details']}\n".encode())
+        with connection.makefile("rb") as lines:
+            lines.readline()
+            for line in lines:
+                number, _, service, *_ = line.decode().split()
+                if answers.get(service):
+                    connection.sendall(f"{number} {answers[service]}\n".encode())
+
+    return int(server(act))
+
+
+def _robot(name: str, *parts: str, services: Any = ()) -> dict[str, Any]:
+    return {"name": name, "services": services, "components": dict.fromkeys(parts, SENSOR)}
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [_robot("close\x1b]0;title\x07"), _robot("r", "r.\x9b31m.get"), _robot("r\u202e"), _robot("\ud800"),
+     _robot("r" * 10_000), _robot("r", "r" + ".a" * 5_000), _robot("r", services=["\x1b[2J"]),
+     _robot("r", "r.a") | {"components": {"r.a": SENSOR | {"services": ["\x1b[2J"]}}}],
+    ids=["title", "colours", "direction", "surrogate", "long", "deep", "service of a robot", "service of a component"],
+)  # fmt: skip
+def test_names_are_those_of_a_simulation(server: Any, robot: Any) -> None:
+    with pytest.raises(ConnectionError, match="expected a name of at most 256 printable characters") as caught:
+        Morse("127.0.0.1", _simulation(server, [robot]))
+    assert str(caught.value).isprintable()
+    assert len(str(caught.value)) < 700
+
+
+def test_a_name_takes_no_more_memory_than_its_length(server: Any) -> None:
+    """Each part of a name becomes a component with the whole name so far: 40 KB were 400 MB."""
+    port = _simulation(server, [_robot("r", "r" + ".a" * 20_000)])
+    tracemalloc.start()
+    try:
+        with pytest.raises(ConnectionError):
+            Morse("127.0.0.1", port)
+        assert tracemalloc.get_traced_memory()[1] < 20e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_many_names_of_a_series_are_sorted_soon() -> None:
+    begin = time.process_time()
+    many = [f"m_{number:06d}" for number in range(50_000)]
+    assert names.series([*many, "m"])["ms"] == ["m", *many]
+    assert time.process_time() - begin < 10.0
+
+
+@pytest.mark.parametrize("port", ["1e400", "NaN", "-1", "0", "65536", "4444.5", "[]", "true", '"x"', "9" * 4000])
+def test_a_port_is_a_port(server: Any, port: str) -> None:
+    with pytest.raises(ConnectionError, match="expected a port from 1 to 65535"):
+        Morse("127.0.0.1", _simulation(server, [_robot("r", "r.a")], port=port))
+
+
+@pytest.mark.parametrize("status", ["FAILED", "PREEMPTED"])
+def test_a_refusal_is_named_and_controls_no_terminal(
+    server: Any, status: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    port = _simulation(server, [], details=status + r' "\u001b]0;title\u0007"')
+    assert __main__.main(["127.0.0.1", str(port)]) == 1
+    assert "did not answer in the format of MORSE" in capsys.readouterr().err
+    port = _simulation(server, [_robot("r", "r.a")], details=None)
+    with Morse("127.0.0.1", port) as simu:
+        assert simu.robots == ["r"]
+
+
+@pytest.mark.parametrize("data", [None, '{"x": ' + "[" * 900 + "]" * 900 + "}", r'{"\ud800\u001b": 1}', "3"])
+@pytest.mark.parametrize("robots", [[_robot("r", "r.a")], [_robot("x: int = exit()")], []])
+def test_types_are_a_module_or_an_error(
+    server: Any, robots: Any, data: str | None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(stubs, "TIMEOUT", 0.5, raising=False)
+    assert __main__.main(["127.0.0.1", str(_simulation(server, robots, data=data))]) == 0
+    text = capsys.readouterr().out
+    compile(text, "types", "exec")
+    assert not re.search("[^ -~\n]", text)
+
+
+def test_errors_of_services_control_no_terminal(server: Any) -> None:
+    robots = [_robot("r", "r.a")]
+    with Morse("127.0.0.1", _simulation(server, robots)) as simu:
+        future = simu.call("r.a", "unanswered")
+        failure = rb'FAILED "\u001b]0;title\u0007 of\n two lines"'
+        simu._services.handle_msg(b"%d %b" % (future.request, failure))
+        with pytest.raises(MorseServiceFailed, match="two lines") as caught:
+            future.result(60.0)
+    assert str(caught.value) == "\\x1b]0;title\\x07 of\n two lines"
+
+
+def test_layouts_of_frames_that_are_large_are_not_kept() -> None:
+    frames._layout.cache_clear()
+    tracemalloc.start()
+    try:
+        for number in range(100):
+            text = json.dumps({"numbers": [], "arrays": [], "fields": {str(number): "x" * 1_000_000}}).encode()
+            text += b" " * (-len(text) % 8)
+            frame = frames.HEAD.pack(frames.MAGIC, frames.VERSION, frames.DATA, 1, len(text), 0) + text
+            assert frames.decode(frame) == {str(number): "x" * 1_000_000}
+        assert tracemalloc.get_traced_memory()[0] < 20e6
+    finally:
+        tracemalloc.stop()
