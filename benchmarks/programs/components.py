@@ -31,7 +31,7 @@ def main() -> None:
     that do so, only the action is measured.
     """
     name = sys.argv[1]
-    robot, bare = Stand(name, carries=True), Stand(name, carries=False)
+    robot, bare = TestWorld(name, carries=True), TestWorld(name, carries=False)
     moves = name in (*_BY_FORCE, *_BY_POSE)
     own: list[tuple[float, float]] = []
     without: list[tuple[float, float]] = []
@@ -55,7 +55,7 @@ def _quiet(times: list[tuple[float, float]], clock: int) -> float:
     return statistics.quantiles((entry[clock] for entry in times), n=5)[0]
 
 
-class Stand:
+class TestWorld:
     """A simulation with one moving robot."""
 
     def __init__(self, name: str, *, carries: bool) -> None:

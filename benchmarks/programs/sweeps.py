@@ -18,7 +18,7 @@ import morse
 from benchmarks import stopwatch
 from morse.many import Study
 from morse.many.run import run_once
-from morse.many.stock import Stock
+from morse.many.scene_cache import SceneCache
 
 _SCENE = Path(__file__).parents[1] / "scenes" / "rows.py"
 #: processor time of the function of a run, s
@@ -49,10 +49,10 @@ def _length() -> int:
 def overhead(runs: int) -> None:
     """The processor time of a run besides that of its function, with a scene that is used again, and with loads."""
     study = Study(_SCENE, drive, length=[_length()], seeds=runs + _WARM)
-    stock = Stock()
+    cache = SceneCache()
     shares: dict[str, list[float]] = {"overhead": [], "of_a_load": []}
     for number, run in enumerate(study.runs()):
-        again, anew = run_once(study, run, None, stock), run_once(study, run)
+        again, anew = run_once(study, run, None, cache), run_once(study, run)
         if again["hash"] != anew["hash"] or again["error"]:
             raise RuntimeError(f"run {number} differs from that of a new load: {again['error']}")
         if number >= _WARM:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from morse.assets import collision
-from morse.assets.known_shapes import KnownShapes, content
+from morse.assets.shape_cache import ShapeCache, content
 from morse.assets.solids import cube
 from morse.scene import BodySettings, Bounds, CollisionShape, Mesh, Node, NodeKind, PhysicsType, Scene, ShapeKind
 
@@ -17,7 +17,7 @@ def computed(monkeypatch):
     monkeypatch.setenv("MORSE_CACHE", "off")
     made = []
     compute = collision._parts
-    monkeypatch.setattr(collision, "_EARLIER", KnownShapes())
+    monkeypatch.setattr(collision, "_EARLIER", ShapeCache())
     monkeypatch.setattr(collision, "_parts", lambda *arguments: made.append(arguments[2]) or compute(*arguments))
     return made
 
@@ -66,7 +66,7 @@ def test_the_digest_tells_vertices_from_triangles():
 
 
 def test_the_oldest_results_are_dropped():
-    known = KnownShapes(most=20_000)
+    known = ShapeCache(most=20_000)
     points = (CollisionShape(ShapeKind.CONVEX, (), vertices=np.zeros((250, 3))),)  # 6 kB
     for key in "abc":
         known.put(key, (points, ()))
@@ -76,6 +76,6 @@ def test_the_oldest_results_are_dropped():
 
 
 def test_a_result_that_is_too_large_is_not_kept():
-    known = KnownShapes(most=1_000)
+    known = ShapeCache(most=1_000)
     known.put("a", ((CollisionShape(ShapeKind.CONVEX, (), vertices=np.zeros((250, 3))),), ()))
     assert known.get("a") is None

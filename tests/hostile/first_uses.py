@@ -37,12 +37,12 @@ class Watch:
 
 
 def _observe(name: str, watch: Watch) -> list[str]:
-    from morse.verification.contract.said import Said
-    from morse.verification.contract.stand import set_up
+    from morse.verification.contract.log_capture import LogCapture
     from morse.verification.contract.subjects import subjects
+    from morse.verification.contract.test_world import set_up
 
     (subject,) = subjects(name)
-    with Said() as said, set_up(subject, said) as stand:
+    with LogCapture() as said, set_up(subject, said) as stand:
         simulation = stand.simulation
         component = stand.component
         linecache.getlines(__file__)  # as of a component

@@ -17,7 +17,7 @@ from faults import FAULTS, HUGE
 
 import morse
 from morse.builder import Environment, MotionVW, Pose
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:

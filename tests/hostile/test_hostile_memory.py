@@ -239,7 +239,7 @@ def test_requests_of_a_page_have_its_budget(caplog: pytest.LogCaptureFixture) ->
     hub = Hub(Access("127.0.0.1", None), "title", Arrivals())
     page = run_apart(make())
     hub._pages[1] = page
-    hub.seat.enter(1)
+    hub.control_lock.enter(1)
     size = 256 << 10
     for number in range(1, 101):
         hub._receive(page, pm.CallService(number, "c", "s", [[]] * (size // 3)), size)

@@ -156,11 +156,11 @@ def test_a_task_draws_textures_which_are_in_the_infos(pictures):
 
 
 def test_the_page_describes_the_new_texture(pictures):
-    from morse.viewer.depot import Depot
+    from morse.viewer.asset_store import AssetStore
     from morse.viewer.describe import describe
 
     with morse.load(scene) as sim:
         sim.set_texture("Wall", "red.png")
-        described = describe(sim.scene, [], 1, Depot())
+        described = describe(sim.scene, [], 1, AssetStore())
         wall = next(node for node in described.nodes if node.name == "Wall")
         assert described.materials[wall.materials[0]].image is not None

@@ -11,7 +11,7 @@ import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
 from morse.sensors.pose import Pose
-from morse.viewer.depot import Depot
+from morse.viewer.asset_store import AssetStore
 from morse.viewer.describe import describe
 from morse.viewer.feeds.tree import component_tree
 
@@ -76,7 +76,7 @@ class Shown:
     @staticmethod
     def look(sim: Any) -> Any:
         """What a page gets of the scene."""
-        return describe(sim.scene, [], 0, Depot(), key="")
+        return describe(sim.scene, [], 0, AssetStore(), key="")
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ import pytest
 from watched import DATA, Project, until
 
 from morse.core.journal import EDIT
-from morse.physics.objects.gone import RemovedError
+from morse.physics.objects.removed_object import RemovedError
 from morse.scene import PhysicsType
 from morse.simulation.watching.watch import Watch
 

@@ -15,7 +15,7 @@ from view_worlds import box, chequers, mesh_node, playground
 from effort import examples
 from morse.scene import Material, Mesh, Node, Scene
 from morse.scene.frames import rigid_frame
-from morse.viewer.depot import Depot
+from morse.viewer.asset_store import AssetStore
 from morse.viewer.describe import describe
 from morse.viewer.frames import rigid_frames
 from morse.viewer.geometry import PackedMesh, pack_mesh
@@ -87,7 +87,7 @@ def test_poses_are_rigid_and_scale_goes_to_the_mesh() -> None:
     child = mesh_node("child", box("c"), (1.0, 0.0, 0.0), scale=[1, 3, 1])
     parent.attach(child)
     scene = Scene("s", roots=[parent])
-    described = describe(scene, [MovingNode(child, "parent")], 1, Depot())
+    described = describe(scene, [MovingNode(child, "parent")], 1, AssetStore())
     node = described.nodes[1]
     assert node.parent == 0
     assert node.position == pytest.approx((2.0, 0.0, 0.0))  # metres along the parent's axes
@@ -105,7 +105,7 @@ def test_hidden_nodes_and_materials() -> None:
         mesh_node("off", mesh, properties={"visible": 0}), mesh_node("out", mesh, visible=False),
         mesh_node("on", mesh, properties={"visible": 1}),
     ])  # fmt: skip
-    described = describe(scene, [], 1, Depot())
+    described = describe(scene, [], 1, AssetStore())
     names = {node.name: [described.materials[i].name for i in node.materials] for node in described.nodes}
     assert names["plain"] == ["a", "a"]
     assert names["own"] == ["a", "b"]
@@ -114,17 +114,17 @@ def test_hidden_nodes_and_materials() -> None:
 
 
 def test_equal_meshes_are_sent_once_and_a_changed_scene_sends_only_what_is_new() -> None:
-    depot = Depot()
+    asset_store = AssetStore()
     scene = Scene("s", roots=[mesh_node("a", box("a")), mesh_node("b", box("b")), mesh_node("c", box("c", size=2.0))])
-    described = describe(scene, [], 1, depot)
+    described = describe(scene, [], 1, asset_store)
     assert [node.mesh for node in described.nodes] == [0, 0, 1]
-    assert len(depot.take_new()) == 1
+    assert len(asset_store.take_new()) == 1
     scene.roots.append(mesh_node("d", box("d", size=3.0)))
-    described = describe(scene, [], 2, depot)
-    (data,) = (data for _, data in depot.take_new().values())
+    described = describe(scene, [], 2, asset_store)
+    (data,) = (data for _, data in asset_store.take_new().values())
     assert len(data) == 24 * 24 + 36 * 4
     assert [node.mesh for node in described.nodes] == [0, 0, 1, 2]
-    assert depot.take_new() == {}
+    assert asset_store.take_new() == {}
 
 
 def test_world_geometry_and_pictures_are_fetched_over_http(served) -> None:

@@ -17,9 +17,9 @@ from websockets.exceptions import ConnectionClosed
 
 from morse.core.clients.network import Network
 from morse.scene import Scene
+from morse.viewer.control_lock import DEAD_MAN
 from morse.viewer.page_messages import CallService, Drag, DragEnd, Pause, SetSpeed, Step
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close
-from morse.viewer.seat import DEAD_MAN
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot
 from morse.viewer.view_messages import Answer, Appearance, Listening, Log, Rays, Values
@@ -38,7 +38,7 @@ def snapshot(tick: int, status: str = "running") -> Snapshot:
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Keys stay held although these pages send no heartbeat: on a busy machine, the test may look late."""
-    monkeypatch.setattr("morse.viewer.seat.DEAD_MAN", 1e9)
+    monkeypatch.setattr("morse.viewer.control_lock.DEAD_MAN", 1e9)
 
 
 def closing(client: Client) -> tuple[int, str]:
@@ -398,7 +398,7 @@ def test_keys_are_held_until_released_hidden_or_gone(served, patient) -> None:
 def test_a_page_that_falls_silent_lets_go(served) -> None:
     server, url = served
     now = [0.0]
-    server._hub.seat._clock = lambda: now[0]
+    server._hub.control_lock._clock = lambda: now[0]
     with Client(url) as page:
         page.expect("welcome")
         page.send("keys", held=["ArrowUp"])

@@ -17,8 +17,8 @@ from view_pages import until
 
 import morse as simulator
 from morse.cli.app import execute
-from morse.viewer.tape.html import page_of
-from morse.viewer.tape.tape import Tape
+from morse.viewer.page_export.html import page_of
+from morse.viewer.page_export.page_recording import Tape
 from morse.viewer.view_messages import History, Picture, Values
 
 SCENE = """

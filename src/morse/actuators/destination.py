@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.actuators.going import TRANSIT, Going
+from morse.actuators.goal_motion import TRANSIT, GoalMotion
 from morse.core.limits import LENGTH
 from morse.core.robot import drives_body
 from morse.helpers.components import add_kind, add_property
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _UPRIGHT = 0.5
 
 
-class Destination(Going):
+class Destination(GoalMotion):
     """Moves the robot in a straight line to a position, in three dimensions and without rotation.
 
     The robot stops as soon as the three-dimensional distance is at most the tolerance.

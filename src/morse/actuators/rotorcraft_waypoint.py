@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.actuators.going import ARRIVED, STOP, TRANSIT, marker
+from morse.actuators.goal_motion import ARRIVED, STOP, TRANSIT, marker
 from morse.actuators.rotorcraft import BankingRotorcraft
 from morse.core import status
 from morse.core.calls.progress import of_distance

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.actuators.holding import Holding
+from morse.actuators.pose_holding import PoseHolding
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.helpers.components import add_data, add_state
@@ -22,7 +22,7 @@ _LIFT = 10.0
 _HEIGHT_GAIN, _CLIMB_GAIN = 9.0, 4.2
 
 
-class StabilizedQuadrotor(Holding):
+class StabilizedQuadrotor(PoseHolding):
     """Moves a quadrotor with autopilot: attitude and height follow the command, and the position is computed from them.
 
     Pitch and roll follow by a second-order filter of 10 rad/s with a damping of 0.7. ``psi_c`` acts as a yaw rate: the

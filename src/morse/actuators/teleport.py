@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.actuators.holding import Holding
+from morse.actuators.pose_holding import PoseHolding
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.core.validation import Commands
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from morse.core.world import Body
 
 
-class Teleport(Holding):
+class Teleport(PoseHolding):
     """Sets the pose of the robot every tick, so that the robot stays there while the actuator is active.
 
     The robot is released when the actuator is deactivated (service ``simulation.deactivate``).

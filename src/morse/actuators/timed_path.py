@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from typing import TYPE_CHECKING
 
-from morse.actuators.holding import Holding
+from morse.actuators.pose_holding import PoseHolding
 from morse.core.limits import ANGLE, POSITION
 from morse.helpers.components import add_data, add_kind, add_property, euler
 from morse.mathutils.rotations import rotation_from_euler
@@ -20,7 +20,7 @@ _FIELDS = ("x", "y", "z", "roll", "pitch", "yaw")
 _MOST_POINTS = 10_000
 
 
-class TimedPath(Holding):
+class TimedPath(PoseHolding):
     """Moves the robot along the points of a path, whatever the forces on it.
 
     Between two points, the position and the angles change in proportion to the time; each angle takes the shorter way.

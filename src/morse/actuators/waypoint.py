@@ -6,7 +6,7 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from morse.actuators.going import STOP, TRANSIT, Going, marker
+from morse.actuators.goal_motion import STOP, TRANSIT, GoalMotion, marker
 from morse.actuators.obstacle_radars import REACH, ObstacleRadars
 from morse.core.calls.progress import of_distance
 from morse.core.limits import LENGTH, AbsoluteSpeed, Length, Position
@@ -31,7 +31,7 @@ _FARTHER = math.radians(20.0)
 _BEYOND = 1.5
 
 
-class Waypoint(Going):
+class Waypoint(GoalMotion):
     """Drives the robot to a position by forward speed and yaw rate, and avoids obstacles that its radars detect.
 
     The robot turns towards the goal at half its speed (rad per m). It turns on the spot if the heading error is 60

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets import kept_shapes
-from morse.assets.known_shapes import KnownShapes, content
+from morse.assets import shape_files
+from morse.assets.shape_cache import ShapeCache, content
 from morse.assets.shapes import (
     DEFAULT_LIMIT,
     ConvexPart,
@@ -50,7 +50,7 @@ _MOST_SHAPES = 50_000
 
 _Key = tuple[int, tuple[float, ...], Bounds | None, bool]
 
-_EARLIER = KnownShapes()
+_EARLIER = ShapeCache()
 
 
 def resolve_shapes(scene: Scene) -> list[str]:
@@ -154,12 +154,12 @@ def _shapes_of_mesh(
     shapes_and_warnings = _EARLIER.get(key)
     if shapes_and_warnings is None:
         simple = bounds in _FITTED
-        shapes_and_warnings = None if simple else kept_shapes.get(key)
+        shapes_and_warnings = None if simple else shape_files.get(key)
         if shapes_and_warnings is None:
             parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds, limit)
             shapes_and_warnings = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
             if not simple:
-                kept_shapes.put(key, shapes_and_warnings)
+                shape_files.put(key, shapes_and_warnings)
         _EARLIER.put(key, shapes_and_warnings)
     return shapes_and_warnings
 

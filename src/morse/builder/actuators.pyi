@@ -1,13 +1,13 @@
 # Written by `python -m tools` from what the components declare: do not edit.
 
 from typing import Any, Literal
+from morse.builder.components.actuators_with_parts import LedArray as LedArray
+from morse.builder.components.actuators_with_parts import Light as Light
+from morse.builder.components.actuators_with_parts import MotionVWDiff as MotionVWDiff
+from morse.builder.components.actuators_with_parts import PTU as PTU
+from morse.builder.components.actuators_with_parts import Sound as Sound
 from morse.builder.components.armatures import Armature as Armature
 from morse.builder.components.armatures import KukaLWR as KukaLWR
-from morse.builder.components.furnished import LedArray as LedArray
-from morse.builder.components.furnished import Light as Light
-from morse.builder.components.furnished import MotionVWDiff as MotionVWDiff
-from morse.builder.components.furnished import PTU as PTU
-from morse.builder.components.furnished import Sound as Sound
 from morse.builder.components.joystick import Joystick as Joystick
 from morse.builder.creator import ActuatorCreator as ActuatorCreator
 

@@ -6,7 +6,7 @@ import inspect
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.builder.components import armatures, furnished
+from morse.builder.components import actuators_with_parts, armatures
 from morse.builder.components.cameras import VLP16_180, CameraCreator, Kinect
 from morse.builder.components.compound import CompoundSensor
 from morse.builder.components.contact_sensors import ContactSensor
@@ -52,11 +52,11 @@ _BY_HAND: Mapping[str, type[Component]] = {
     "morse.actuators.armature.Armature": armatures.Armature,
     "morse.actuators.armature.Armature KukaLWR": armatures.KukaLWR,
     "morse.actuators.joystick.Joystick": Joystick,
-    "morse.actuators.led_array.LedArray": furnished.LedArray,
-    "morse.actuators.light.Light": furnished.Light,
-    "morse.actuators.ptu.PTU": furnished.PTU,
-    "morse.actuators.sound.Sound": furnished.Sound,
-    "morse.actuators.v_omega_diff_drive.MotionVWDiff": furnished.MotionVWDiff,
+    "morse.actuators.led_array.LedArray": actuators_with_parts.LedArray,
+    "morse.actuators.light.Light": actuators_with_parts.Light,
+    "morse.actuators.ptu.PTU": actuators_with_parts.PTU,
+    "morse.actuators.sound.Sound": actuators_with_parts.Sound,
+    "morse.actuators.v_omega_diff_drive.MotionVWDiff": actuators_with_parts.MotionVWDiff,
     "morse.robots.human.Human": Human,
     "morse.robots.morsy.Morsy": Morsy,
     "morse.sensors.compound.CompoundSensor": CompoundSensor,

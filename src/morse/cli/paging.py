@@ -37,8 +37,8 @@ def page(
         ValueError: the recording ends before the run that is shown.
     """
     from morse.launch.timelines import timeline_of
-    from morse.viewer.tape.html import page_of
-    from morse.viewer.tape.winding import Span, wind
+    from morse.viewer.page_export.html import page_of
+    from morse.viewer.page_export.playback import Span, wind
     from morse.viewer.titles import title_of
 
     with contextlib.ExitStack() as stack:

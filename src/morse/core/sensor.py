@@ -8,8 +8,8 @@ from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
+from morse.core.rows.lazy_data import LazyData, present_data
 from morse.core.rows.marks import is_on_read, is_overridden
-from morse.core.rows.unread import Unread, present_data
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
 from morse.core.values import Fields, Value
@@ -40,7 +40,7 @@ class Sensor(Object):
     """
 
     robot_parent: Robot
-    local_data = Unread()  # an attribute of the sensor has precedence
+    local_data = LazyData()  # an attribute of the sensor has precedence
 
     add_data("timestamp", 0.0, "float", "Simulated time of the measurement", unit="s")
 

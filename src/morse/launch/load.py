@@ -288,7 +288,7 @@ def complete(simulation: Simulation) -> None:
         OSError: the live view cannot be opened.
     """
     from morse.physics.model.overlaps import below_the_floor, overlaps
-    from morse.physics.model.sunken import raised
+    from morse.physics.model.raised_robots import raised
     from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
 

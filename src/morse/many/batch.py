@@ -11,10 +11,10 @@ from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component
 from morse.core.reports.faults import ENDINGS
 from morse.core.reports.hints import nearest
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
+from morse.many.batched_step import BatchedStep
 from morse.many.commands import CommandColumn
-from morse.many.convoy import Convoy
 from morse.many.layout import Layout
 from morse.many.readings import ContactColumn, DataColumn
 from morse.many.rows import names_of, only_row_of, rows_of, seeds_of, values_of, vectors_of
@@ -98,7 +98,7 @@ class Batch:
                 simulation = self._scenes.load(row, one)
                 simulation.delays_interrupts = False
                 self._simulations.append(simulation)
-            self._convoy = Convoy(self._simulations)
+            self._batched_step = BatchedStep(self._simulations)
         except BaseException:
             self.close()
             raise
@@ -109,11 +109,11 @@ class Batch:
     def __getitem__(self, row: int) -> Simulation:
         self._check_open()
         place = row if isinstance(row, slice) else only_row_of(row, len(self))
-        self._convoy.publish(range(len(self))[place] if isinstance(place, slice) else [place])
+        self._batched_step.publish(range(len(self))[place] if isinstance(place, slice) else [place])
         return self._simulations[place]
 
     def __iter__(self) -> Iterator[Simulation]:
-        self._convoy.publish(range(len(self)))
+        self._batched_step.publish(range(len(self)))
         return iter(self._simulations)
 
     def __repr__(self) -> str:
@@ -180,7 +180,7 @@ class Batch:
         layout = self._layout(component, fields)
         column = DataColumn(layout, handles)
         self._readings.append(column)
-        self._convoy.read(column)
+        self._batched_step.read(column)
         return column.array
 
     def contacts(self, name: str) -> Contacts:
@@ -250,7 +250,7 @@ class Batch:
         """
         self._check_open()
         self._simulations[0].check_step(ticks, measure)
-        simulations, convoy, ran = self._simulations, self._convoy, np.zeros(len(self), np.int64)
+        simulations, batched_step, ran = self._simulations, self._batched_step, np.zeros(len(self), np.int64)
         commands, has_command = [(column, *column.check()) for column in self._commands], np.zeros(len(self), bool)
         for _, _, changes in commands:
             has_command |= changes
@@ -259,17 +259,17 @@ class Batch:
         if (ticks or measure) and not together:
             self._rows(None)
         for column, rows, _ in commands:
-            column.publish(rows[(has_command & together | ~convoy.members)[rows]])
+            column.publish(rows[(has_command & together | ~batched_step.members)[rows]])
         # Ctrl+C takes effect after all rows: they stay in the same tick
         with self._time:
             if together:
-                ran = convoy.run(ticks, has_command)
+                ran = batched_step.run(ticks, has_command)
             left = dict(enumerate((ticks - ran).tolist()))
-            rest = [row for row in left if left[row] or not (together or convoy.members[row])]
+            rest = [row for row in left if left[row] or not (together or batched_step.members[row])]
             self._each(rest, lambda row: simulations[row].step(left[row], measure=measure))
             self._update(rest)
             if together:
-                convoy.join(rest)
+                batched_step.join(rest)
                 for reading in self._readings:
                     if isinstance(reading, ContactColumn):
                         reading.begin(np.flatnonzero(ran == ticks))
@@ -442,7 +442,7 @@ class Batch:
         return self._window.show(row, height)
 
     def _up_to_date(self, row: int) -> Simulation:
-        self._convoy.leave(row)
+        self._batched_step.leave(row)
         return self._simulations[row]
 
     # -- the end ---------------------------------------------------------------------------
@@ -452,7 +452,7 @@ class Batch:
         self._check_open()
         numbers = rows_of(rows, len(self))
         for row in numbers:
-            self._convoy.leave(row)
+            self._batched_step.leave(row)
         return numbers
 
     def _check_open(self) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from morse.core.reports.faults import summary
 from morse.many.run import run_once
-from morse.many.stock import Stock
+from morse.many.scene_cache import SceneCache
 from morse.system.workers import Server, Worker, WorkerError, WorkerPool, can_fork
 
 if TYPE_CHECKING:
@@ -54,10 +54,10 @@ def pack_size(remaining: int, workers: int, time: float) -> int:
     return max(1, min(_MOST_OF_A_PACK, remaining // workers + 1, int(max(least, size))))
 
 
-def do_pack(study: Runs, tasks: Sequence[Task], stock: Stock | None = None) -> list[Row]:
+def do_pack(study: Runs, tasks: Sequence[Task], cache: SceneCache | None = None) -> list[Row]:
     """Do several runs; called in a process of the executor."""
-    stock = stock or Stock()
-    return [run_once(study, task.run, task.record, stock) for task in tasks]
+    cache = cache or SceneCache()
+    return [run_once(study, task.run, task.record, cache) for task in tasks]
 
 
 class Doer(Protocol):
@@ -100,12 +100,12 @@ class Here:
     workers = queue = 1
 
     def __init__(self, study: Runs) -> None:
-        self._study, self._stock = study, Stock()
+        self._study, self._cache = study, SceneCache()
 
     def submit(self, tasks: Sequence[Task]) -> Future[list[Row]]:
         """Do a pack."""
         future: Future[list[Row]] = Future()
-        future.set_result(do_pack(self._study, tasks, self._stock))
+        future.set_result(do_pack(self._study, tasks, self._cache))
         return future
 
     def close(self) -> None:
@@ -116,7 +116,7 @@ class StudyServer(Server):
     """Does runs, one after the other."""
 
     def __init__(self, study: Runs) -> None:
-        self._study, self._stock = study, Stock()
+        self._study, self._cache = study, SceneCache()
 
     def answer(self, question: bytes) -> bytes:
         """Do pickled tasks, and return their rows."""
@@ -125,7 +125,7 @@ class StudyServer(Server):
         for task in tasks:
             if self._study.timeout is not None:  # code that never returns to Python
                 faulthandler.dump_traceback_later(self._study.timeout + _STUCK, exit=True)
-            rows.append(run_once(self._study, task.run, task.record, self._stock))
+            rows.append(run_once(self._study, task.run, task.record, self._cache))
             faulthandler.cancel_dump_traceback_later()
         return pickle.dumps(rows)
 

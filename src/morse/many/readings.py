@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.guard import Failure
     from morse.core.values import Options
-    from morse.many.stock import Stock
+    from morse.many.scene_cache import SceneCache
     from morse.many.values import Row
     from morse.simulation.simulation import Simulation
 
@@ -133,12 +133,14 @@ class Runs(Protocol):
         """Return the study as plain data, for another process; None if only this process has its functions."""
 
 
-def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None, stock: Stock | None = None) -> Row:
+def run_once(
+    study: Runs, run: Run, record: str | os.PathLike[str] | None = None, cache: SceneCache | None = None
+) -> Row:
     """Do one run in this process.
 
     Args:
         record: path of a recording of the run.
-        stock: where scenes are loaded that many runs have in common; None to load them anew.
+        cache: where scenes are loaded that many runs have in common; None to load them anew.
 
     Returns:
         Its row. ``error`` is empty if the run has not failed, ``where`` is the line of the user's code that raised it.
@@ -149,7 +151,7 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
     }  # fmt: skip
     begin, cpu = time.perf_counter(), time.process_time()
     try:
-        with _simulation(study, run, None if record is not None or study.options else stock) as simulation:
+        with _simulation(study, run, None if record is not None or study.options else cache) as simulation:
             if record is not None:
                 path = Path(record)
                 path.parent.mkdir(parents=True, exist_ok=True)
@@ -173,10 +175,10 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
     return row | _spent(begin, cpu)
 
 
-def _simulation(study: Runs, run: Run, stock: Stock | None) -> AbstractContextManager[Simulation]:
+def _simulation(study: Runs, run: Run, cache: SceneCache | None) -> AbstractContextManager[Simulation]:
     scene, arguments = study.scene_of(run), study.arguments_of(run)
-    if stock is not None:
-        return stock.load(study.scene_key(run), scene, run.seed, arguments)
+    if cache is not None:
+        return cache.load(study.scene_key(run), scene, run.seed, arguments)
     return load(scene, seed=run.seed, arguments=arguments, **{"on_failure": "raise", **study.options})
 
 

@@ -23,7 +23,7 @@ from morse.physics.gliding.gliding import Gliding
 from morse.physics.model import motors
 from morse.physics.model.compile import compile_scene
 from morse.physics.model.layout import Motion
-from morse.physics.model.sunken import raise_sunken
+from morse.physics.model.raised_robots import raise_sunken
 from morse.physics.objects.attachments import Attachments
 from morse.physics.objects.gameobject import GameObject
 from morse.physics.objects.linkage import Linkage

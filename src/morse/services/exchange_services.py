@@ -10,7 +10,7 @@ from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.core.services import concurrent_service
 from morse.core.streams.pending_commands import PendingCommands
 from morse.core.validation.errors import CommandError

@@ -12,7 +12,7 @@ from morse.core.mathutils import Quaternion
 from morse.core.reports import log
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted, short
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.values import JsonObject

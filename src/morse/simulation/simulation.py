@@ -25,9 +25,9 @@ from morse.simulation.handles.handles import Handles
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
 from morse.simulation.offering import offer_services
 from morse.simulation.ownership import Ownership
+from morse.simulation.pictures import SimulationPictures
 from morse.simulation.population import Population
 from morse.simulation.recordings.recorded import Recorded
-from morse.simulation.showing import Showing
 from morse.simulation.states.saving import Saving
 from morse.simulation.states.state import State
 from morse.simulation.ticks.loop import Loop
@@ -47,13 +47,13 @@ if TYPE_CHECKING:
     from morse.physics.model.compile import Compiled
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
-    from morse.simulation.showing import LiveView
+    from morse.simulation.pictures import LiveView
 
 
 logger = logging.getLogger(__name__)
 
 
-class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
+class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
     """A loaded scene that can be run; it is created by `morse.load`.
 
     Robots are attributes, and their components are attributes of the robots, with the interface of `pymorse.Morse`: see

@@ -27,7 +27,7 @@ from morse.launch.load import start
 from morse.physics import UnstableError
 from morse.simulation.options import RunOptions
 from morse.system.own_programs import own_output
-from morse.verification.onlookers import Onlookers
+from morse.verification.passive_clients import PassiveClients
 
 if TYPE_CHECKING:
     from typing import TextIO
@@ -67,7 +67,7 @@ def replay(request: Replay, file: TextIO) -> None:
         if simulation.view is not None:
             simulation.view.announce()
         watched = bool(request.clients or simulation.view)
-        with Onlookers(simulation, request.clients, request.pages) if watched else nullcontext():
+        with PassiveClients(simulation, request.clients, request.pages) if watched else nullcontext():
             for run in range(1 + request.restarts):
                 if run:
                     simulation.restart()

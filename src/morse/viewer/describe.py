@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.scene import Camera, CollisionShape, Display, Light, Material, Mist, Scene
-    from morse.viewer.depot import Depot
+    from morse.viewer.asset_store import AssetStore
     from morse.viewer.snapshot import MovingNode
 
 
 def describe(
-    scene: Scene, moving: Sequence[MovingNode], revision: int, depot: Depot, key: str | None = None
+    scene: Scene, moving: Sequence[MovingNode], revision: int, asset_store: AssetStore, key: str | None = None
 ) -> d.SceneDescription:
-    """Describe a scene; its geometry and images are added to the depot.
+    """Describe a scene; its geometry and images are added to the asset_store.
 
     Args:
         key: identifies the world for pages; default: `world_key`.
@@ -36,7 +36,7 @@ def describe(
     kinds = {id(component.node): component.kind for component in scene.components}
     movers = {id(mover.node): mover.frame for mover in moving}
     visible_meshes = [shown_mesh(node) for node in nodes]
-    depot.add_meshes(mesh for mesh in visible_meshes if mesh is not None)
+    asset_store.add_meshes(mesh for mesh in visible_meshes if mesh is not None)
     meshes: dict[d.MeshDescription, int] = {}
     materials: dict[d.MaterialDescription, int] = {}
     descriptions = []
@@ -51,8 +51,8 @@ def describe(
                 quaternion=tuple(frames.quaternions[i].tolist()),
                 frame=movers.get(id(node), ""),
                 stretch=tuple(frames.stretches[i].ravel().tolist()) if is_stretched[i] else None,
-                mesh=-1 if mesh is None else meshes.setdefault(depot.mesh(mesh), len(meshes)),
-                materials=tuple(materials.setdefault(_material(m, depot), len(materials)) for m in slots),
+                mesh=-1 if mesh is None else meshes.setdefault(asset_store.mesh(mesh), len(meshes)),
+                materials=tuple(materials.setdefault(_material(m, asset_store), len(materials)) for m in slots),
                 color=node.color,
                 visible=is_shown(node, node.visible),
                 light=None if node.light is None else describe_light(node.light),
@@ -73,7 +73,7 @@ def describe(
     )
 
 
-def _material(material: Material, depot: Depot) -> d.MaterialDescription:
+def _material(material: Material, asset_store: AssetStore) -> d.MaterialDescription:
     (r, g, b, a), (er, eg, eb) = map(float, material.color), map(float, material.emission)
     return d.MaterialDescription(
         name=material.name,
@@ -81,7 +81,7 @@ def _material(material: Material, depot: Depot) -> d.MaterialDescription:
         metallic=material.metallic,
         roughness=material.roughness,
         emission=(er, eg, eb),
-        image=None if material.image is None else depot.image(material.image),
+        image=None if material.image is None else asset_store.image(material.image),
         shadeless=material.shadeless,
         double_sided=material.double_sided,
     )

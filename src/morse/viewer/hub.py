@@ -17,14 +17,14 @@ from morse.core.clients.acceptors.streams import StreamAcceptor
 from morse.core.clients.budget import ENTRY, PARSED, OverBudget
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.web_connection import sender_of
-from morse.core.clients.web_crowd import NO_PLACE
+from morse.core.clients.web_connections import NO_PLACE
 from morse.core.clients.web_ports import serve_on
 from morse.core.reports.faults import describe
 from morse.viewer import page_messages as pm
+from morse.viewer.control_lock import ControlLock
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
 from morse.viewer.requests import MOST_REQUESTS, PageLeft, Requests
-from morse.viewer.seat import Seat
 from morse.viewer.site import Site, refuse
 from morse.viewer.view_messages import OF_COMPONENTS, Answer, Refused, Welcome
 
@@ -83,7 +83,7 @@ class Hub:
 
     def __init__(self, access: Access, title: str, arrivals: Arrivals) -> None:
         self.access = access
-        self.seat = Seat()
+        self.control_lock = ControlLock()
         self.events: deque[pm.ViewEvent] = deque()
         self.wishes = Wishes()
         self.site = Site(origins=access.origins)
@@ -241,7 +241,7 @@ class Hub:
         self._numbers += 1
         page = Page(self._numbers, connection)
         self._pages[page.number] = page
-        self.seat.enter(page.number)
+        self.control_lock.enter(page.number)
         self._tell(page, Welcome(VERSION, page.number, self._title))
         page.begin(self._lasting)
         self._seat_changed()
@@ -252,39 +252,39 @@ class Hub:
         self._drop_drag(page)
         if numbers := self._requests.forget(page.number):
             self.events.append(PageLeft(numbers))
-        self.seat.leave(page.number, list(self._pages))
+        self.control_lock.leave(page.number, list(self._pages))
         self._seat_changed()
         self._wishes_changed()
 
     # messages ------------------------------------------------------------------------------------
 
     def _receive(self, page: Page, message: pm.PageMessage, size: int) -> None:
-        drives = self.seat.driver == page.number
+        drives = self.control_lock.driver == page.number
         match message:
             case pm.Alive():
-                self.seat.hear(page.number)
+                self.control_lock.hear(page.number)
             case pm.Taken():
                 page.took(message.count)
             case pm.Shown():
                 page.drawn = True
             case pm.Keys():
-                self.seat.hold(page.number, frozenset(message.held))
+                self.control_lock.hold(page.number, frozenset(message.held))
             case pm.Gamepad():
-                self.seat.steer(page.number, tuple(message.axes), tuple(message.buttons))
+                self.control_lock.steer(page.number, tuple(message.axes), tuple(message.buttons))
             case pm.Watch():
                 page.watch = message
                 self._wishes_changed()
             case pm.AskToDrive():
-                self.seat.ask(page.number)
+                self.control_lock.ask(page.number)
                 self._seat_changed()
             case pm.HandOver():
-                if self.seat.hand_over(page.number, message.to, list(self._pages)):
+                if self.control_lock.hand_over(page.number, message.to, list(self._pages)):
                     self._drop_drag(page)
                 else:
                     self._refuse(page, message, "only the page that drives can hand over, and only to a connected page")
                 self._seat_changed()
             case pm.KeepDriving():
-                self.seat.keep(page.number)
+                self.control_lock.keep(page.number)
                 self._seat_changed()
             case pm.ViewEvent() if not drives:
                 self._refuse(page, message, "another page drives: request control first")
@@ -336,7 +336,7 @@ class Hub:
             page.connection.transport.abort()
 
     def _seat_changed(self) -> None:
-        message = self.seat.message(len(self._pages))
+        message = self.control_lock.message(len(self._pages))
         frame = str(encode_server_message(message))
         if frame != self._seat_told:
             self._seat_told = frame

@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from morse.core.clients.web_access import Access, is_loopback
 from morse.system import OF_MACHINE
-from morse.viewer.depot import Depot
+from morse.viewer.asset_store import AssetStore
 from morse.viewer.describe import describe, world_key
 from morse.viewer.hub import Hub, Wishes
 from morse.viewer.page_messages import Drag, DragEnd
@@ -70,7 +70,7 @@ class ViewServer:
         self._host = host
         self._port = self._served_on = port
         self._hub = Hub(Access(host, token, origins=origins), title, network.arrivals)
-        self._depot = Depot()
+        self._depot = AssetStore()
         self._revision = 0
         self._key: str | None = None
         self._moving = 0
@@ -217,14 +217,14 @@ class ViewServer:
 
     def take_events(self) -> list[ViewEvent]:
         """The requests of the driving page since the last call, oldest first; call it at the start of a tick."""
-        self._hub.seat.begin_tick()
+        self._hub.control_lock.begin_tick()
         events = []
         while self._hub.events:
             events.append(self._hub.events.popleft())
         for event in events:
             if isinstance(event, Drag | DragEnd):
                 self._dragging = isinstance(event, Drag)
-        if self._dragging and not self._hub.seat.alive:
+        if self._dragging and not self._hub.control_lock.alive:
             self._dragging = False
             events.append(DragEnd())
         return events
@@ -238,11 +238,11 @@ class ViewServer:
 
         A key that was pressed and released between two ticks counts as pressed for one tick.
         """
-        return self._hub.seat.held_keys()
+        return self._hub.control_lock.held_keys()
 
     def gamepad(self) -> tuple[tuple[float, ...], tuple[bool, ...]]:
         """Axes (-1..1, right and down positive) and buttons of the driving page's gamepad; empty without one."""
-        return self._hub.seat.gamepad()
+        return self._hub.control_lock.gamepad()
 
 
 def _ports(first: int) -> Iterator[int]:

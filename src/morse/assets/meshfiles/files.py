@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.meshfiles.pictures import is_picture, usable_picture
-from morse.assets.stand_in import chequered
+from morse.assets.missing_picture import chequered
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:

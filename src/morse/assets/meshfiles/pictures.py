@@ -9,7 +9,7 @@ import os
 from typing import Any
 
 from morse.assets import targa
-from morse.assets.stand_in import chequered
+from morse.assets.missing_picture import chequered
 from morse.scene import Image
 from morse.system.pictures import is_usable, opened, orientation_of, readable_picture
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from websockets.http11 import Response
 from websockets.protocol import State
 
-from morse.core.clients.web_crowd import Connection
+from morse.core.clients.web_connections import Connection
 
 if TYPE_CHECKING:
     import asyncio

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from websockets.asyncio.server import serve
 
 from morse.core.clients.web_connection import PacedConnection
-from morse.core.clients.web_crowd import MOST_WAITING
+from morse.core.clients.web_connections import MOST_WAITING
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable

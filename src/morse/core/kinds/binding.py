@@ -17,7 +17,7 @@ from morse.core.kinds.table import GENERAL, PICTURES
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:

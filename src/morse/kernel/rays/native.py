@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from morse.kernel import threads
-from morse.kernel.convoy import Lane
+from morse.kernel.batched import Lane
 from morse.kernel.memory import address, addresses, aligned, pointer
 from morse.kernel.rays.arrays import Hits
 
@@ -198,7 +198,7 @@ class NativeRays:
         return hits
 
     def lane(self, fan: Fan, poses: Poses, groups: NDArray[np.int64], hits: Hits) -> Lane:
-        """Return what `morse.kernel.convoy.Lanes` needs to cast a fan; the solids have been placed before.
+        """Return what `morse.kernel.batched.Lanes` needs to cast a fan; the solids have been placed before.
 
         Args:
             poses: the arrays that contain the poses at that time.

@@ -16,7 +16,7 @@ from morse.core.clients.acceptors.streams import StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.web_access import Access
 from morse.core.clients.web_connection import sender_of
-from morse.core.clients.web_crowd import NO_PLACE, place_of
+from morse.core.clients.web_connections import NO_PLACE, place_of
 from morse.core.clients.web_ports import serve_on
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.web.client import WebClient

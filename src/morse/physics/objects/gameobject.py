@@ -9,13 +9,13 @@ from morse.mathutils import Matrix, Vector
 from morse.physics.driving.command import Command
 from morse.physics.model.layout import Motion
 from morse.physics.model.limits import ANGULAR_VELOCITY, FORCE, POINT, POSITION, TORQUE, VELOCITY
-from morse.physics.objects.gone import Gone
 from morse.physics.objects.joint_handle import JointHandle
 from morse.physics.objects.legacy_names import LegacyNames
 from morse.physics.objects.looks import Looks
 from morse.physics.objects.mounting import Mounting
 from morse.physics.objects.object_list import ObjectList
 from morse.physics.objects.properties import are_changed, plain_properties, scene_properties
+from morse.physics.objects.removed_object import Gone
 from morse.physics.objects.wheel import Wheel
 from morse.physics.poses import rigid
 from morse.physics.poses.convert import demand_rotation, floats3

@@ -14,7 +14,7 @@ from morse.mathutils.portable import matmul, norm
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.kernel.convoy import Lane
+    from morse.kernel.batched import Lane
     from morse.kernel.rays import Hits
     from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.rays.solids import Solids

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from morse.kernel.convoy import Lane
+    from morse.kernel.batched import Lane
     from morse.kernel.rays import Hits
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.object_world import ObjectWorld

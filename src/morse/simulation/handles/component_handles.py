@@ -9,7 +9,7 @@ from morse.core.actuator import Actuator
 from morse.core.colors.image_colors import is_picture
 from morse.core.realism import copied
 from morse.core.reports.hints import nearest
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
 from morse.core.streams.pending_commands import PendingCommands
 from morse.core.validation.errors import CommandError

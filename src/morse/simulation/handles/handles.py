@@ -10,9 +10,9 @@ import logging
 import math
 from typing import TYPE_CHECKING, Any
 
-from morse.simulation.handles.arranging import Arranging
 from morse.simulation.handles.component_handles import ComponentHandle, RobotHandle, component_handles
 from morse.simulation.handles.local_requests import LocalRequests
+from morse.simulation.handles.world_changes import WorldChanges
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +33,7 @@ streams ticks time view world
 """
 
 
-class Handles(Arranging):
+class Handles(WorldChanges):
     """The part of `morse.simulation.simulation.Simulation` with the interface of `pymorse.Morse`."""
 
     context: Context

@@ -18,7 +18,7 @@ from morse.core.rows.marks import waiting
 from morse.core.rows.rows import Rows
 from morse.core.rows.sensor_rows import SensorRows
 from morse.core.sensor import Sensor
-from morse.simulation.ticks.leaping import Leaping
+from morse.simulation.ticks.multi_tick import MultiTick
 from morse.simulation.ticks.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ class Ticker:
         self._asking_sensors = Schedule(asking_sensors, frequency, _phase) if asking_sensors else None
         #: by the place in the schedule: sensors that are not due in a tick, and those of them with requests
         self._others: dict[int, tuple[list[Any], list[Any]]] = {}
-        self._leaping = Leaping(self._context, self._actuators, self._sensors)
+        self._leaping = MultiTick(self._context, self._actuators, self._sensors)
         self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
 
     def separate(self) -> None:

@@ -14,11 +14,11 @@ from morse.middleware import registry
 from morse.scene import StreamDeclaration
 from morse.verification.contract.behaviour import DETERMINISTIC, FITS, JSON, RESET, SAVED, well_behaved
 from morse.verification.contract.declared import DECLARED, DOCUMENTED, declared, documented
+from morse.verification.contract.invalid_input import CALLS, COMMANDS, InvalidInput
+from morse.verification.contract.log_capture import LogCapture
 from morse.verification.contract.report import Fault, Report
-from morse.verification.contract.rough import CALLS, COMMANDS, Rough
-from morse.verification.contract.said import Said
-from morse.verification.contract.stand import Stand, set_up
 from morse.verification.contract.subjects import Subject, SubjectError, subjects
+from morse.verification.contract.test_world import TestWorld, set_up
 from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.values import Options
-    from morse.verification.contract.stand import Stand
+    from morse.verification.contract.test_world import TestWorld
 
 CARRIED = "carried by every middleware"
 _KIND_STREAM = "morse.core.streams.kind_stream.KindStream"
@@ -58,7 +58,7 @@ class Listener(DatastreamManager):
             self.heard += 1
 
 
-def carried(stand: Stand) -> Iterator[Fault]:
+def carried(stand: TestWorld) -> Iterator[Fault]:
     """Every installed middleware has a stream for it, and its data fit its message kinds."""
     component = stand.component
     cls = type(component)
@@ -119,11 +119,11 @@ def check_component(what: str | os.PathLike[str], robot: str | None = None) -> l
     Raises:
         SubjectError: there is nothing to check.
     """
-    with Said() as journal:
+    with LogCapture() as journal:
         return [_check(subject, robot, journal) for subject in subjects(what)]
 
 
-def _check(subject: Subject, robot: str | None, journal: Said) -> Report:
+def _check(subject: Subject, robot: str | None, journal: LogCapture) -> Report:
     report = Report(subject.name, checked=[LOADS])
     try:
         stand = set_up(subject, journal, robot)
@@ -142,15 +142,15 @@ def _check(subject: Subject, robot: str | None, journal: Said) -> Report:
         if not stand.failed and not report.of(JSON):
             report.checked += [CARRIED, COMMANDS, CALLS]
             report.take(CARRIED, _anew(stand, carried))
-            report.take(CALLS, _anew(stand, lambda stand: Rough(stand, journal).faults()))
+            report.take(CALLS, _anew(stand, lambda stand: InvalidInput(stand, journal).faults()))
     return report
 
 
-def _run(subject: Subject, stand: Stand, level: str | None, journal: Said, report: Report) -> None:
+def _run(subject: Subject, stand: TestWorld, level: str | None, journal: LogCapture, report: Report) -> None:
     """Run a component at one of its levels."""
     carrier = stand.carrier
 
-    def other() -> Stand:
+    def other() -> TestWorld:
         return set_up(subject, journal, carrier, level)
 
     if level is None:
@@ -165,6 +165,6 @@ def _run(subject: Subject, stand: Stand, level: str | None, journal: Said, repor
     report.take(FITS, at_level())
 
 
-def _anew(stand: Stand, rule: Callable[[Stand], Iterable[Fault]]) -> Iterator[Fault]:
+def _anew(stand: TestWorld, rule: Callable[[TestWorld], Iterable[Fault]]) -> Iterator[Fault]:
     stand.simulation.restart(seed=1)
     yield from rule(stand)

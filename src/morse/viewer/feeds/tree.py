@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component, properties
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.core.services import signature_of
 from morse.viewer.component_description import (
     ArgumentDescription,

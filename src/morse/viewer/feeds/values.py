@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from morse.core.rows.unread import present_data
+from morse.core.rows.lazy_data import present_data
 from morse.viewer.view_messages import Values
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 
 from morse.core.rows.columns import columns_of
 from morse.core.rows.sensor_rows import SensorRows
-from morse.kernel.convoy import Courses, Lanes
+from morse.kernel.batched import Courses, Lanes
 from morse.kernel.rays import Hits
 from morse.physics.poses.snapshot import Snapshot
 from morse.physics.rays.bundle import RayBundle, Scan, Sight
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _LEAST = 2
 
 
-class Convoy:
+class BatchedStep:
     """The rows that go on together.
 
     Attributes:

@@ -18,8 +18,8 @@ from morse.verification.contract.report import Fault
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from morse.verification.contract.said import Said
-    from morse.verification.contract.stand import Stand
+    from morse.verification.contract.log_capture import LogCapture
+    from morse.verification.contract.test_world import TestWorld
 
 COMMANDS, CALLS = "survives bad commands", "survives bad calls"
 
@@ -28,14 +28,14 @@ _MOST_ARGUMENTS = 4
 _NO_COMMANDS: tuple[object, ...] = (None, [], "text", {}, {"no_such_field": 1.0}, {1: 2})
 
 
-class Rough:
+class InvalidInput:
     """Sends invalid input to a component.
 
     Args:
         stand: a simulation; it may be in any state afterwards.
     """
 
-    def __init__(self, stand: Stand, journal: Said) -> None:
+    def __init__(self, stand: TestWorld, journal: LogCapture) -> None:
         self._stand = stand
         self._said = journal
         #: number of ticks within which it acts

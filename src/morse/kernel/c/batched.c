@@ -11,7 +11,7 @@ typedef struct {
     const Course *const *courses;   // (N) of the rows
     double *positions, *rotations;  // results (N, K, 3), (N, K, 9): the poses of all rigid groups
     int64_t groups;                 // K, of which the moving ones are the first
-} Convoy;
+} Batched;
 
 // A scan of a row.
 typedef struct {
@@ -22,11 +22,12 @@ typedef struct {
     int64_t count;  // of all rays
 } Lane;
 
-MORSE_EXPORT void morse_convoy_run(const Convoy *all, const int64_t *rows, int64_t count, int64_t ticks, int64_t *done);
-MORSE_EXPORT void morse_convoy_cast(const Lane *lanes, const int64_t *rows, int64_t count);
+MORSE_EXPORT void morse_batched_run(const Batched *all, const int64_t *rows, int64_t count, int64_t ticks,
+                                    int64_t *done);
+MORSE_EXPORT void morse_batched_cast(const Lane *lanes, const int64_t *rows, int64_t count);
 
 // Runs ticks in some rows; `done` are their numbers, which are smaller if a robot does not glide.
-void morse_convoy_run(const Convoy *all, const int64_t *rows, int64_t count, int64_t ticks, int64_t *done) {
+void morse_batched_run(const Batched *all, const int64_t *rows, int64_t count, int64_t ticks, int64_t *done) {
     for (int64_t i = 0; i < count; i++) {
         const Course *course = all->courses[rows[i]];
         done[i] = morse_glide_ticks(course, ticks);
@@ -37,7 +38,7 @@ void morse_convoy_run(const Convoy *all, const int64_t *rows, int64_t count, int
 }
 
 // Places the moving solids of some rows, and casts the rays.
-void morse_convoy_cast(const Lane *lanes, const int64_t *rows, int64_t count) {
+void morse_batched_cast(const Lane *lanes, const int64_t *rows, int64_t count) {
     for (int64_t i = 0; i < count; i++) {
         const Lane *lane = lanes + rows[i];
         const int32_t nodes = morse_rays_place(lane->placing, lane->moving);

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _FARTHEST = 1e7
 
 
-class Arranging:
+class WorldChanges:
     """The part of `morse.simulation.simulation.Simulation` that changes the world between two ticks.
 
     All changes are inputs: recordings contain them.
@@ -221,7 +221,7 @@ class Arranging:
 
     @property
     def coasts(self) -> bool:
-        """Whether nothing can happen in any of the next ticks but that robots drive; see `morse.many.convoy`."""
+        """Whether nothing can happen in any of the next ticks but that robots drive; see `morse.many.batched_step`."""
         return not self.context.journal.sinks and self._ticker.coasts
 
     def obey(self) -> bool:

@@ -31,7 +31,7 @@ _ARRIVAL = 30.0
 _SHOWN = 1000
 
 
-class Onlookers:
+class PassiveClients:
     """Read all data of a simulation, in separate threads.
 
     Args:
@@ -92,7 +92,7 @@ class Onlookers:
                         count += 1
                         page.send(_text(Taken(count)))
 
-    def __enter__(self) -> Onlookers:
+    def __enter__(self) -> PassiveClients:
         return self
 
     def __exit__(

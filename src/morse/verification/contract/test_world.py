@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from morse.core.object import Object
     from morse.simulation.simulation import Simulation
-    from morse.verification.contract.said import Said
+    from morse.verification.contract.log_capture import LogCapture
 
 _NAME = "part"
 #: robots to try, with their drives: components may need wheels, rotors or a steering wheel
@@ -87,7 +87,7 @@ env.properties(longitude=1.43, latitude=43.6, altitude=135.0)
 """
 
 
-class Stand:
+class TestWorld:
     """A loaded simulation for the check; used as a context manager.
 
     Attributes:
@@ -157,7 +157,7 @@ class Stand:
             self._inbox = component, PendingCommands(component)
         self._inbox[1].give(message)
 
-    def __enter__(self) -> Stand:
+    def __enter__(self) -> TestWorld:
         return self
 
     def __exit__(
@@ -166,7 +166,7 @@ class Stand:
         self.simulation.close()
 
 
-def set_up(subject: Subject, journal: Said, robot: str | None = None, level: str | None = None) -> Stand:
+def set_up(subject: Subject, journal: LogCapture, robot: str | None = None, level: str | None = None) -> TestWorld:
     """The simulation for a component, on the first suitable robot.
 
     Args:
@@ -180,7 +180,7 @@ def set_up(subject: Subject, journal: Said, robot: str | None = None, level: str
     for carrier in (robot,) if robot else CARRIERS:
         try:
             with journal.unheard():
-                return Stand(_load(subject, _script(subject, carrier, level)), carrier)
+                return TestWorld(_load(subject, _script(subject, carrier, level)), carrier)
         except (LoadError, ScriptError, ValueError) as error:
             in_stand = isinstance(error, ScriptError) and str(error.where).startswith(str(error.script))
             errors.append(error.message if isinstance(error, ScriptError) and in_stand else str(error))

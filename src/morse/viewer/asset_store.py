@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.viewer.geometry import PackedMesh
 
 
-class Depot:
+class AssetStore:
     """Caches of described content, so that only new content of a changed scene is processed."""
 
     def __init__(self) -> None:

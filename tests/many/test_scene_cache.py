@@ -5,9 +5,9 @@ import random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from morse.many import stock as module
+from morse.many import scene_cache as module
 from morse.many.run import run_once
-from morse.many.stock import Stock
+from morse.many.scene_cache import SceneCache
 from morse.many.study import Study
 from tests.effort import examples
 from tests.many.many_scenes import crowded_arena
@@ -98,10 +98,10 @@ def mischief(sim, acts):
     return {"data": repr(data)}
 
 
-def rows(study, stock):
+def rows(study, cache):
     hidden = ("wall", "cpu")
     return [
-        {key: value for key, value in run_once(study, run, None, stock).items() if key not in hidden}
+        {key: value for key, value in run_once(study, run, None, cache).items() if key not in hidden}
         for run in study.runs()
     ]
 
@@ -110,19 +110,21 @@ def rows(study, stock):
 @given(st.lists(st.lists(st.sampled_from(sorted(ACTS)), max_size=3), min_size=4, max_size=6))
 def test_runs_are_those_of_new_loads(acts):
     study = Study(room, mischief, acts=[*acts, ["drive"]])
-    assert rows(study, Stock()) == rows(study, None)
+    assert rows(study, SceneCache()) == rows(study, None)
 
 
 def test_no_act_reaches_the_next_run():
     # those that change the scene itself come last: the two runs after them describe it again
     acts = [[], *([act] for act in (*INNOCENT, *GUILTY) for act in (act, "drive"))]
-    for here, anew in zip(*(rows(Study(room, mischief, acts=acts), stock) for stock in (Stock(), None)), strict=True):
+    for here, anew in zip(
+        *(rows(Study(room, mischief, acts=acts), cache) for cache in (SceneCache(), None)), strict=True
+    ):
         assert here == anew
 
 
 def test_noise_delays_and_cameras_follow_the_seed():
     study = Study(crowded_arena, mischief, acts=[[]], seeds=5)
-    here = rows(study, Stock())
+    here = rows(study, SceneCache())
     assert here == rows(study, None)
     assert len({row["hash"] for row in here}) == 5
 
@@ -136,7 +138,7 @@ def count_compilations(monkeypatch):
 
 def test_a_scene_is_compiled_once_for_each_of_its_parameters(monkeypatch):
     compilations = count_compilations(monkeypatch)
-    rows(Study(room, mischief, acts=[[act] for act in INNOCENT], lamp=[1.0, 2.0]), Stock())
+    rows(Study(room, mischief, acts=[[act] for act in INNOCENT], lamp=[1.0, 2.0]), SceneCache())
     assert len(compilations) == 2
 
 
@@ -153,7 +155,7 @@ def test_a_scene_that_is_described_at_random_is_never_used_again(monkeypatch):
         Environment("empty")
 
     study = Study(arena, lambda sim: {"x": sim.context.components["robot.pose"].position_3d.x}, seeds=5)
-    assert len({row["x"] for row in rows(study, Stock())}) == 5
+    assert len({row["x"] for row in rows(study, SceneCache())}) == 5
     assert not compilations
 
 
@@ -182,7 +184,7 @@ def test_the_modules_of_a_project_begin_anew_with_each_run(tmp_path):
         "env = Environment('empty')\n"
     )
     study = Study(script, _counted, seeds=5)
-    assert [row["result"] for row in rows(study, Stock())] == [3] * 5
+    assert [row["result"] for row in rows(study, SceneCache())] == [3] * 5
 
 
 def _counted(sim):

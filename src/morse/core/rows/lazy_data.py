@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from morse.core.values import Fields
 
 
-class Unread:
+class LazyData:
     """``local_data`` of a sensor that measures on read: like a cached property, the first access makes an attribute.
 
     Who has accessed the dictionary may keep it. From then on the sensor measures in each tick, as other sensors do.
@@ -46,7 +46,7 @@ class Unclaimed:
     def add(self, component: Component) -> None:
         """Hold the data of a component, if it is a sensor that measures on read and acts in each tick at present."""
         own, cls = vars(component), type(component)
-        if component._in_rows is None and cls.acts_in_rows and isinstance(getattr(cls, "local_data", None), Unread):
+        if component._in_rows is None and cls.acts_in_rows and isinstance(getattr(cls, "local_data", None), LazyData):
             self._data[id(component)] = component, own.pop("local_data")
             component._in_rows = self
 

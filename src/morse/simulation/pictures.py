@@ -26,7 +26,7 @@ class LiveView(Protocol):
         """Log the address."""
 
 
-class Showing:
+class SimulationPictures:
     """The part of `morse.simulation.simulation.Simulation` that shows the world."""
 
     world: World

@@ -22,7 +22,7 @@ def marker(component: Object, name: str) -> Any:
     return component.context.world.objects_by_name.get(name) if name else None
 
 
-class Going(Actuator):
+class GoalMotion(Actuator):
     """Receives a goal position, initially the present position, to which its subclasses drive the robot."""
 
     add_data("x", 0.0, "float", "X of the goal; initially the position of the actuator", frame="world", **POSITION)

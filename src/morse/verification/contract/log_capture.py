@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 
-class Said(logging.Handler):
+class LogCapture(logging.Handler):
     """Collects the errors of the simulation, so that they are not printed; used as a context manager."""
 
     def __init__(self) -> None:
@@ -44,7 +44,7 @@ class Said(logging.Handler):
         finally:
             self._listens = True
 
-    def __enter__(self) -> Said:
+    def __enter__(self) -> LogCapture:
         logger = logging.getLogger("morse")
         self._before = logger.propagate, logger.handlers[:]
         logger.propagate, logger.handlers[:] = False, [self]

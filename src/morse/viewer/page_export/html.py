@@ -26,7 +26,7 @@ def page_of(tape: bytes, title: str, folder: Path = STATIC) -> str:
     """The text of a page that plays a tape.
 
     Args:
-        tape: see `morse.viewer.tape.tape.Tape.to_bytes`.
+        tape: see `morse.viewer.page_export.page_recording.Tape.to_bytes`.
         title: of the page.
         folder: the files of the page.
 

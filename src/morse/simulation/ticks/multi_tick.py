@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _MOST = 256
 
 
-class Leap(NamedTuple):
+class TickSpan(NamedTuple):
     """Ticks that are run at once.
 
     Attributes:
@@ -46,7 +46,7 @@ class Leap(NamedTuple):
     skips: Sequence[tuple[SensorRows, int]]
 
 
-class Leaping:
+class MultiTick:
     """Finds out how many ticks can be run at once, and runs all but their beginning and their end.
 
     Args:
@@ -80,7 +80,7 @@ class Leaping:
             else:
                 self._others.append(entry)
                 self._forgets = False
-        self._plans: dict[tuple[int, int, bool, bool], Leap] = {}
+        self._plans: dict[tuple[int, int, bool, bool], TickSpan] = {}
 
     @property
     def coasts(self) -> bool:
@@ -114,7 +114,7 @@ class Leaping:
         # who cannot tell does not rest
         return not components or len(self._context.guard.those(components, _rests, _nothing)) == len(components)
 
-    def plan(self, first: int, most: int, measured: bool) -> Leap:
+    def plan(self, first: int, most: int, measured: bool) -> TickSpan:
         """Return the leap to the first tick in which a sensor has to measure.
 
         Args:
@@ -135,7 +135,7 @@ class Leaping:
             self._plans[key] = self._plan(first, most, measured)
         return self._plans[key]
 
-    def _plan(self, first: int, most: int, measured: bool) -> Leap:
+    def _plan(self, first: int, most: int, measured: bool) -> TickSpan:
         due = [self._sensors.due(first + number) for number in range(most)]
         later: dict[int, int] = {id(entry): int(measured) for entry in self._sensors}
         #: the sensors that have to measure in each tick
@@ -156,7 +156,7 @@ class Leaping:
         skips = Counter(id(entry) for entries in due[:count] for entry in entries)
         skips.subtract(map(id, measuring))
         skipped = [(scan, skips[id(scan)]) for scan in self._scans if skips[id(scan)]]
-        return Leap(count, measuring, self._asking(measuring), skipped)
+        return TickSpan(count, measuring, self._asking(measuring), skipped)
 
     def _asking(self, entries: Sequence[Any]) -> list[Any]:
         """The components with requests."""

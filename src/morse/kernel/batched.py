@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 
 
 class Lane(ctypes.Structure):
-    """``Lane`` of ``c/convoy.c``: what a scan of a row needs."""
+    """``Lane`` of ``c/batched.c``: what a scan of a row needs."""
 
     _fields_ = (*((name, c_void_p) for name in ("placing", "moving", "solids", "rays")), ("count", c_int64))
     #: the objects to whose memory it points
     keep: object = None
 
 
-class _ConvoyStructure(ctypes.Structure):
-    """``Convoy`` of ``c/convoy.c``."""
+class _BatchedStructure(ctypes.Structure):
+    """``Batched`` of ``c/batched.c``."""
 
     _fields_ = (*((name, c_void_p) for name in ("courses", "positions", "rotations")), ("groups", c_int64))
 
@@ -47,9 +47,9 @@ class Courses:
         self._places = (c_void_p * rows)()
         self._keep: list[Course | None] = [None] * rows
         arrays = address(self.positions), address(self.rotations)
-        self._all = ctypes.byref(_ConvoyStructure(ctypes.addressof(self._places), *arrays, groups))
+        self._all = ctypes.byref(_BatchedStructure(ctypes.addressof(self._places), *arrays, groups))
         kernel = library()
-        self._run = kernel.morse_convoy_run
+        self._run = kernel.morse_batched_run
         self._run.argtypes, self._run.restype = (c_void_p, c_void_p, c_int64, c_int64, c_void_p), None
 
     def set(self, row: int, course: Course) -> None:
@@ -74,7 +74,7 @@ class Lanes:
         self._lanes = (Lane * rows)()
         self._keep: list[object] = [None] * rows
         kernel = library()
-        self._cast = kernel.morse_convoy_cast
+        self._cast = kernel.morse_batched_cast
         self._cast.argtypes, self._cast.restype = (c_void_p, c_void_p, c_int64), None
 
     def set(self, row: int, lane: Lane) -> None:

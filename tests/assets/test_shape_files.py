@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.assets import collision, kept_shapes
+from morse.assets import collision, shape_files
 from morse.assets.cache import Cache
-from morse.assets.known_shapes import KnownShapes
+from morse.assets.shape_cache import ShapeCache
 from morse.assets.solids import cube
 from morse.scene import BodySettings, CollisionShape, Mesh, Node, NodeKind, PhysicsType, Scene, ShapeKind
 
@@ -42,7 +42,7 @@ def computed(monkeypatch):
 
 def shapes(monkeypatch, scale=1.0):
     """The shapes of the open box, in a process that has not computed any."""
-    monkeypatch.setattr(collision, "_EARLIER", KnownShapes())
+    monkeypatch.setattr(collision, "_EARLIER", ShapeCache())
     node = Node("solid", NodeKind.MESH, mesh=_MESH, body=BodySettings(type=PhysicsType.STATIC))
     node.scale = (scale, scale, scale)
     collision.resolve_shapes(Scene(roots=[node]))
@@ -90,7 +90,7 @@ def test_a_damaged_result_is_computed_again(monkeypatch, computed, folder, damag
 
 def test_results_of_another_version_are_not_used(monkeypatch, computed):
     shapes(monkeypatch)
-    monkeypatch.setattr(kept_shapes, "_program", lambda: b"another version")
+    monkeypatch.setattr(shape_files, "_program", lambda: b"another version")
     shapes(monkeypatch)
     assert len(computed) == 2
 
@@ -141,8 +141,8 @@ _SHAPES = st.builds(
 @given(st.lists(_SHAPES, max_size=4), st.lists(st.text(), max_size=2))
 def test_any_shapes_are_read_as_they_were_written(found, warnings):
     key = b"content", (1.0, 0.0), None
-    kept_shapes.put(key, (tuple(found), tuple(warnings)))
-    again = kept_shapes.get(key)
+    shape_files.put(key, (tuple(found), tuple(warnings)))
+    again = shape_files.get(key)
     assert again is not None
     assert bits(found) == bits(again[0])
     assert again[1] == tuple(warnings)

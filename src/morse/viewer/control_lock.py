@@ -6,7 +6,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from morse.viewer.view_messages import Seat as SeatMessage
+from morse.viewer.view_messages import ControlLock as SeatMessage
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ DEAD_MAN = 0.7
 _NOTHING: frozenset[str] = frozenset()
 
 
-class Seat:
+class ControlLock:
     """The page that drives, and its pressed keys.
 
     Modified in the network thread; the simulation thread reads the controls.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from morse.viewer.depot import Depot
+from morse.viewer.asset_store import AssetStore
 from morse.viewer.describe import describe, world_key
 from morse.viewer.hub import Wishes
 from morse.viewer.protocol import encode_json
@@ -47,7 +47,7 @@ class Tape:
         self.wishes = Wishes()
         self.time = 0.0
         self._title = title
-        self._depot = Depot()
+        self._depot = AssetStore()
         self._key: str | None = None
         self._revision = 0
         self._files: dict[str, tuple[str, bytes]] = {}

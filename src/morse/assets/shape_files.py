@@ -15,7 +15,7 @@ from morse.mathutils import portable
 from morse.scene import Bounds, CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
-    from morse.assets.known_shapes import Found
+    from morse.assets.shape_cache import Found
 
 #: identifies a mesh: the digest of its arrays, its stretch, its bounds
 Key = tuple[bytes, tuple[float, ...], Bounds | None]

@@ -3,7 +3,7 @@
 from morse.core.actuator import Actuator
 
 
-class Holding(Actuator):
+class PoseHolding(Actuator):
     """Holds the robot at a pose, independent of forces; the robot is released when the actuator is deactivated."""
 
     @property

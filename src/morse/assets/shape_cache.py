@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _SHAPE_BYTES = 300  # a shape without its points
 
 
-class KnownShapes:
+class ShapeCache:
     """Results by content, the one that was used last at the end; if the cache is full, the first ones are removed.
 
     Shapes are shared between scenes, because computed shapes are never modified.

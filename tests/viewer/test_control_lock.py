@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from morse.viewer.seat import DEAD_MAN, Seat
+from morse.viewer.control_lock import DEAD_MAN, ControlLock
 
 UP, LEFT = frozenset({"ArrowUp"}), frozenset({"ArrowLeft"})
 
@@ -15,9 +15,9 @@ class Clock:
         return self.now
 
 
-def seat_of(*pages: int) -> tuple[Seat, Clock]:
+def seat_of(*pages: int) -> tuple[ControlLock, Clock]:
     clock = Clock()
-    seat = Seat(clock)
+    seat = ControlLock(clock)
     for page in pages:
         seat.enter(page)
     return seat, clock

@@ -43,7 +43,7 @@ class _Kept:
     begun: str = ""
 
 
-class Stock:
+class SceneCache:
     """Loads scenes as `morse.load` does, with the same data, in a fraction of the time from the third time on.
 
     The first two times, the script describes its scene. If both descriptions are equal, later simulations are new
