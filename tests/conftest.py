@@ -150,7 +150,7 @@ class _Beside(MetaPathFinder):
     """Finds the packages beside the tests that are not installed, and nothing else there, such as projects."""
 
     def find_spec(self, name: str, path: object = None, target: object = None) -> ModuleSpec | None:
-        found = PathFinder.find_spec(name, [str(_ROOT)]) if name in ("benchmarks", "tools") else None
+        found = PathFinder.find_spec(name, [str(_ROOT)]) if name in ("benchmarks", "tests", "tools") else None
         if found is not None and found.loader is None:
             # the path of a package without __init__.py follows sys.path, which does not have this folder
             found.submodule_search_locations = [str(_ROOT / name)]

@@ -151,7 +151,7 @@ def test_any_shapes_are_read_as_they_were_written(found, warnings):
 def test_shapes_are_the_same_in_another_process(monkeypatch):
     first = shapes(monkeypatch)
     program = (
-        "import test_kept_shapes as t, morse.assets.collision as c, pytest\n"
+        "import test_shape_files as t, morse.assets.collision as c, pytest\n"
         "c._parts = None\n"
         "with pytest.MonkeyPatch.context() as patch: print(t.bits(t.shapes(patch)))\n"
     )

@@ -37,9 +37,9 @@ class Watch:
 
 
 def _observe(name: str, watch: Watch) -> list[str]:
+    from morse.verification.contract.contract_world import set_up
     from morse.verification.contract.log_capture import LogCapture
     from morse.verification.contract.subjects import subjects
-    from morse.verification.contract.test_world import set_up
 
     (subject,) = subjects(name)
     with LogCapture() as said, set_up(subject, said) as stand:

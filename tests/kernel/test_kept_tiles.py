@@ -20,7 +20,7 @@ SHAPES = ((220, 250), (120, 140))
 CHANGES = st.sampled_from(["nothing", "pose", "hide", "normals", "camera", "lamps", "lamp map", "still", "samples"])
 
 
-class TestWorld:
+class Stand:
     """Some small instances far apart, with shadow maps, in front of several cameras."""
 
     def __init__(self, build, seed):
@@ -133,7 +133,7 @@ class TestWorld:
     seed=st.integers(0, 10**6), changes=st.lists(st.tuples(CHANGES, st.sampled_from([1e-7, 0.01, 1.0])), max_size=10)
 )
 def test_random_changes(build, seed, changes):
-    stand = TestWorld(build, seed)
+    stand = Stand(build, seed)
     stand.compare()
     for what, size in changes:
         stand.change(what, size)
@@ -146,7 +146,7 @@ def test_only_tiles_that_change_are_drawn(build):
     tiles = sum(-(-width // 32) * -(-height // 32) for width, height in SIZES)
     shares, shown = [], 0
     for seed in range(8):
-        stand = TestWorld(build, seed)
+        stand = Stand(build, seed)
         for _ in range(3):
             before = stand.compare()
         assert stand.drawn[-3:] == [tiles, tiles, 0]
@@ -161,7 +161,7 @@ def test_shadows_are_drawn_again(build):
     """Parts that no camera sees cast visible shadows, by each of the lamps."""
     changed = {"sun": 0, "lamp map": 0}
     for seed in range(12):
-        stand = TestWorld(build, seed)
+        stand = Stand(build, seed)
         for what in changed:
             for _ in range(2):
                 before = stand.compare()

@@ -14,8 +14,8 @@ from morse.verification.contract.report import Fault
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.verification.contract.contract_world import ContractWorld
     from morse.verification.contract.log_capture import LogCapture
-    from morse.verification.contract.test_world import TestWorld
 
 FITS, JSON, DETERMINISTIC = "data fit their declarations", "data are JSON", "deterministic under a seed"
 SAVED, RESET = "saved and restored", "a reset makes it new"
@@ -25,7 +25,7 @@ TICKS = 70
 _BEFORE_SAVING = 25
 
 
-def well_behaved(stand: TestWorld, other: Callable[[], TestWorld], journal: LogCapture) -> Iterator[Fault]:
+def well_behaved(stand: ContractWorld, other: Callable[[], ContractWorld], journal: LogCapture) -> Iterator[Fault]:
     """All rules of this file.
 
     Args:
@@ -57,14 +57,14 @@ def well_behaved(stand: TestWorld, other: Callable[[], TestWorld], journal: LogC
     yield from _same(RESET, first, stand.run(TICKS), place, hint)
 
 
-def _fits(stand: TestWorld) -> Iterator[Fault]:
+def _fits(stand: ContractWorld) -> Iterator[Fault]:
     """Check that the data match the declarations."""
     places, cls = stand.places, type(stand.component)
     for field, declaration, text in misfits(stand.component):
         yield Fault(FITS, text, places.of(cls, "add_data", field) if declaration else places.of_class(cls))
 
 
-def _is_json(stand: TestWorld, lines: list[bytes]) -> Iterator[Fault]:
+def _is_json(stand: ContractWorld, lines: list[bytes]) -> Iterator[Fault]:
     cls = type(stand.component)
     fields = fields_of_component(stand.component)
     values: dict[str, float] = {}
@@ -96,7 +96,7 @@ def _same(rule: str, one: list[bytes], other: list[bytes], place: str, hint: str
             return
 
 
-def _saved(stand: TestWorld, other: Callable[[], TestWorld], place: str) -> Iterator[Fault]:
+def _saved(stand: ContractWorld, other: Callable[[], ContractWorld], place: str) -> Iterator[Fault]:
     simulation = stand.simulation
     simulation.restart(seed=1)
     stand.run(_BEFORE_SAVING)

@@ -13,12 +13,12 @@ from morse.core.sensor import Sensor
 from morse.middleware import registry
 from morse.scene import StreamDeclaration
 from morse.verification.contract.behaviour import DETERMINISTIC, FITS, JSON, RESET, SAVED, well_behaved
+from morse.verification.contract.contract_world import ContractWorld, set_up
 from morse.verification.contract.declared import DECLARED, DOCUMENTED, declared, documented
 from morse.verification.contract.invalid_input import CALLS, COMMANDS, InvalidInput
 from morse.verification.contract.log_capture import LogCapture
 from morse.verification.contract.report import Fault, Report
 from morse.verification.contract.subjects import Subject, SubjectError, subjects
-from morse.verification.contract.test_world import TestWorld, set_up
 from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.values import Options
-    from morse.verification.contract.test_world import TestWorld
+    from morse.verification.contract.contract_world import ContractWorld
 
 CARRIED = "carried by every middleware"
 _KIND_STREAM = "morse.core.streams.kind_stream.KindStream"
@@ -58,7 +58,7 @@ class Listener(DatastreamManager):
             self.heard += 1
 
 
-def carried(stand: TestWorld) -> Iterator[Fault]:
+def carried(stand: ContractWorld) -> Iterator[Fault]:
     """Every installed middleware has a stream for it, and its data fit its message kinds."""
     component = stand.component
     cls = type(component)
@@ -146,11 +146,11 @@ def _check(subject: Subject, robot: str | None, journal: LogCapture) -> Report:
     return report
 
 
-def _run(subject: Subject, stand: TestWorld, level: str | None, journal: LogCapture, report: Report) -> None:
+def _run(subject: Subject, stand: ContractWorld, level: str | None, journal: LogCapture, report: Report) -> None:
     """Run a component at one of its levels."""
     carrier = stand.carrier
 
-    def other() -> TestWorld:
+    def other() -> ContractWorld:
         return set_up(subject, journal, carrier, level)
 
     if level is None:
@@ -165,6 +165,6 @@ def _run(subject: Subject, stand: TestWorld, level: str | None, journal: LogCapt
     report.take(FITS, at_level())
 
 
-def _anew(stand: TestWorld, rule: Callable[[TestWorld], Iterable[Fault]]) -> Iterator[Fault]:
+def _anew(stand: ContractWorld, rule: Callable[[ContractWorld], Iterable[Fault]]) -> Iterator[Fault]:
     stand.simulation.restart(seed=1)
     yield from rule(stand)

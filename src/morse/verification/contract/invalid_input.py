@@ -18,8 +18,8 @@ from morse.verification.contract.report import Fault
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.verification.contract.contract_world import ContractWorld
     from morse.verification.contract.log_capture import LogCapture
-    from morse.verification.contract.test_world import TestWorld
 
 COMMANDS, CALLS = "survives bad commands", "survives bad calls"
 
@@ -35,7 +35,7 @@ class InvalidInput:
         stand: a simulation; it may be in any state afterwards.
     """
 
-    def __init__(self, stand: TestWorld, journal: LogCapture) -> None:
+    def __init__(self, stand: ContractWorld, journal: LogCapture) -> None:
         self._stand = stand
         self._said = journal
         #: number of ticks within which it acts

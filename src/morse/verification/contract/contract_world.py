@@ -87,7 +87,7 @@ env.properties(longitude=1.43, latitude=43.6, altitude=135.0)
 """
 
 
-class TestWorld:
+class ContractWorld:
     """A loaded simulation for the check; used as a context manager.
 
     Attributes:
@@ -157,7 +157,7 @@ class TestWorld:
             self._inbox = component, PendingCommands(component)
         self._inbox[1].give(message)
 
-    def __enter__(self) -> TestWorld:
+    def __enter__(self) -> ContractWorld:
         return self
 
     def __exit__(
@@ -166,7 +166,7 @@ class TestWorld:
         self.simulation.close()
 
 
-def set_up(subject: Subject, journal: LogCapture, robot: str | None = None, level: str | None = None) -> TestWorld:
+def set_up(subject: Subject, journal: LogCapture, robot: str | None = None, level: str | None = None) -> ContractWorld:
     """The simulation for a component, on the first suitable robot.
 
     Args:
@@ -180,7 +180,7 @@ def set_up(subject: Subject, journal: LogCapture, robot: str | None = None, leve
     for carrier in (robot,) if robot else CARRIERS:
         try:
             with journal.unheard():
-                return TestWorld(_load(subject, _script(subject, carrier, level)), carrier)
+                return ContractWorld(_load(subject, _script(subject, carrier, level)), carrier)
         except (LoadError, ScriptError, ValueError) as error:
             in_stand = isinstance(error, ScriptError) and str(error.where).startswith(str(error.script))
             errors.append(error.message if isinstance(error, ScriptError) and in_stand else str(error))
