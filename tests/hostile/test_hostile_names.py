@@ -161,3 +161,19 @@ def test_a_free_name_among_many_equal_ones_is_the_first_and_is_found_soon(count:
 
     assert free_name("a", is_taken) == ("a" if not count else f"a_{max(count + 1, 2)}")
     assert len(asked) <= 130
+
+
+@pytest.mark.parametrize(
+    "name", ["world", "World", "world/", "default", "main", "__proto__", "</script>", '"', "r/base"]
+)
+def test_a_scene_may_use_names_of_the_engine(name: str) -> None:
+    def two_robots() -> None:
+        ATRV(name).translate(0.0, 0.0, 0.5)
+        ATRV("other").translate(3.0, 0.0, 0.5)
+        Environment("empty")
+
+    with morse.load(two_robots) as simulation:
+        simulation.step(60)
+        first, second = (simulation.context.robots[one].position_3d.z for one in (name, "other"))
+        assert first == pytest.approx(second, abs=1e-6)
+        assert first < 0.45

@@ -248,11 +248,13 @@ class _Builder:
                 matmul(turned, position - np.array(outer.position)),
                 matmul(turned, rotation),
             )
+        # the engine has a body "world" of its own
+        name = "world (object)" if frame.node.name == "world" else frame.node.name
         body = parent.add_body(
-            name=frame.node.name, pos=position, quat=_quaternion(rotation), mocap=frame.motion is Motion.KINEMATIC
+            name=name, pos=position, quat=_quaternion(rotation), mocap=frame.motion is Motion.KINEMATIC
         )
         if frame.motion is Motion.FREE:
-            body.add_freejoint(name=frame.node.name)
+            body.add_freejoint(name=name)
             if _is_weightless(frame):
                 body.gravcomp = 1.0
         return body
