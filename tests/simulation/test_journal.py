@@ -189,7 +189,77 @@ def test_what_a_server_refused_is_refused_again_without_the_server(
         assert resimulate(recording, trust=True).departure is None
 
 
+def take_the_name(sim: Simulation) -> None:
+    """A robot that is spawned has the name of a deleted robot of the launch."""
+    sim.delete("robot")
+    sim.spawn("robot", "Morsy", [2.0, 0.0, 0.5])
+    sim.step(3)
+
+
+@pytest.mark.parametrize(
+    "meanwhile",
+    [
+        lambda sim: sim.step(3),
+        lambda sim: sim.restart(),
+        lambda sim: sim.delete("robot"),
+        lambda sim: sim.spawn("guest", "ATRV", [0.0, -3.0, 0.5]),
+        lambda sim: (sim.delete("robot"), sim.spawn("robot", "ATRV", [0.0, 0.0, 0.5])),
+    ],
+    ids=["nothing", "a restart", "a deletion", "a guest", "another robot of that name"],
+)
+def test_a_state_whose_robot_has_the_name_of_a_deleted_one_is_restored(
+    meanwhile: Callable[[Simulation], object], tmp_path: Path
+) -> None:
+    with morse.load(scene) as sim:
+        first = sim.state_hash()
+        sim.save(tmp_path / "first.state")
+        take_the_name(sim)
+        wanted = sim.state_hash()
+        sim.save(tmp_path / "taken.state")
+        for _ in range(2):
+            meanwhile(sim)
+            sim.restore(tmp_path / "taken.state")
+            assert sim.state_hash() == wanted
+        sim.restore(tmp_path / "first.state")
+        assert sim.state_hash() == first
+    with morse.load(scene) as another:
+        another.restore(tmp_path / "taken.state")
+        assert another.state_hash() == wanted
+
+
+def test_a_run_that_restores_such_a_state_is_the_same_again(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(SCRIPT)
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        take_the_name(sim)
+        state = sim.save()
+        sim.morsy.motion.publish({"v": 0.4, "w": 0.2})
+        sim.step(5)
+        sim.restore(state)
+        sim.step(5)
+    with Recording(tmp_path / "run.mcap") as recording:
+        assert resimulate(recording, trust=True).departure is None
+
+
 # -- recordings that do not fit --------------------------------------------------------------
+
+
+def test_the_input_that_does_not_fit_is_named_before_those_that_follow(monkeypatch: pytest.MonkeyPatch) -> None:
+    with morse.load(scene) as sim, sim.record_inputs() as inputs:
+        sim.step(2)
+        state = sim.save()
+        sim.step(5)
+        sim.restore(state)
+        sim.morsy.motion.set_speed(0.2, 0.0)
+        sim.step(2)
+    with morse.load(scene) as again:
+
+        def refuse(_: object) -> None:
+            raise StateError("it is refused")
+
+        monkeypatch.setattr(again.world, "check_state", refuse)
+        with pytest.raises(StateError, match=r"restore.*it had an effect, and is refused now.*it is refused"):
+            again.replay(inputs)
 
 
 def happened(sim: Simulation) -> None:

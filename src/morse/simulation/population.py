@@ -368,13 +368,14 @@ class Population:
         An object that a function of the process created is saved by name only, and cannot be recreated in another
         process.
         """
-        present = {root.name for root in self._simulation.scene.roots}
+        # by identity: an object that was spawned later may have the name of a deleted one
+        present = {id(root) for root in self._simulation.scene.roots}
         return {
             "came": [
                 [name, recipe.kind if isinstance(recipe.kind, str) else "", [*recipe.position], [*recipe.rotation]]
                 for name, recipe in self._recipes.items()
             ],
-            "gone": [root.name for root in self._launch[0] if root.name not in present],
+            "gone": [root.name for root in self._launch[0] if id(root) not in present],
         }
 
     def set_state(self, state: StateData, makers: Mapping[str, Callable[[], object]] = _NO_MAKERS) -> None:
@@ -395,9 +396,9 @@ class Population:
         for name in [name for name, recipe in self._recipes.items() if not recipe.gives(names.get(name))]:
             self.delete(name)
         self._bring_back([root for root in self._launch[0] if root.name not in state["gone"]])
-        for name in state["gone"]:
-            if self._simulation.scene.find(name) is not None:
-                self.delete(name)
+        for root in self._launch[0]:
+            if root.name in state["gone"] and root in self._simulation.scene.roots:
+                self.delete(root.name)
         for name, recipe in names.items():
             if name in self._recipes:
                 continue

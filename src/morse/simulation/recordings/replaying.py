@@ -154,6 +154,9 @@ class Replay:
                 self._wire(entry.name)
             elif entry.kind in self._apply:
                 self._give(entry)
+                if self._misfit is not None:
+                    # inputs that follow would not fit, either
+                    raise self._misfit
             else:
                 raise ReplayError(entry, "there is no such kind of inputs")
         self._check_outcomes()
