@@ -227,6 +227,37 @@ def test_a_state_whose_robot_has_the_name_of_a_deleted_one_is_restored(
         assert another.state_hash() == wanted
 
 
+def test_a_state_brings_one_robot_back_while_another_one_goes() -> None:
+    """Streams and services of a robot that goes end, also if another one comes back at the same time."""
+    with morse.load(scene) as sim:
+        order = list(sim.context.components)
+        states, hashes = {}, {}
+        for name in ("robot", "morsy"):
+            begin = sim.save()
+            sim.delete(name)
+            sim.step(2)
+            states[name], hashes[name] = sim.save(), sim.state_hash()
+            sim.restore(begin)
+        for number in range(4):
+            name, other = ("robot", "morsy")[:: 1 - 2 * (number % 2)]
+            sim.restore(states[name])
+            assert sim.state_hash() == hashes[name]
+            sim.step(3)
+            assert not sim.failures
+            assert list(sim.context.robots) == [other]
+            assert list(sim.context.components) == [one for one in order if one.startswith(f"{other}.")]
+        sim.restart()
+        assert list(sim.context.components) == order
+
+
+def test_the_order_of_components_is_that_of_the_launch_when_one_comes_back() -> None:
+    with morse.load(scene) as sim:
+        order, state = list(sim.context.components), sim.save()
+        sim.delete("robot")
+        sim.restore(state)
+        assert list(sim.context.components) == order
+
+
 def test_a_run_that_restores_such_a_state_is_the_same_again(tmp_path: Path) -> None:
     script = tmp_path / "scene.py"
     script.write_text(SCRIPT)

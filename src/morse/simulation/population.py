@@ -395,10 +395,10 @@ class Population:
         }
         for name in [name for name, recipe in self._recipes.items() if not recipe.gives(names.get(name))]:
             self.delete(name)
-        self._bring_back([root for root in self._launch[0] if root.name not in state["gone"]])
         for root in self._launch[0]:
             if root.name in state["gone"] and root in self._simulation.scene.roots:
                 self.delete(root.name)
+        self._bring_back([root for root in self._launch[0] if root.name not in state["gone"]])
         for name, recipe in names.items():
             if name in self._recipes:
                 continue
@@ -454,6 +454,7 @@ class Population:
             parts = load_components(context, back)
             connect(context, parts, back)
         simulation.loaded.join(parts)
+        self._sort_components(components)
         self._changed()
 
 
