@@ -70,7 +70,7 @@ def test_nothing_a_page_sends_raises_anything_else(frame: str | bytes) -> None:
 
 
 def test_messages_are_tagged_by_their_names() -> None:
-    assert json.loads(encode_server_message(vm.ControlLock(1, [2], 3))) == {
+    assert json.loads(encode_server_message(vm.Seat(1, [2], 3))) == {
         "type": "seat", "driver": 1, "asking": [2], "pages": 3,
     }  # fmt: skip
 

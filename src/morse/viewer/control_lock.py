@@ -6,7 +6,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from morse.viewer.view_messages import ControlLock as SeatMessage
+from morse.viewer.view_messages import Seat as SeatMessage
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -70,7 +70,7 @@ class ViewServer:
         self._host = host
         self._port = self._served_on = port
         self._hub = Hub(Access(host, token, origins=origins), title, network.arrivals)
-        self._depot = AssetStore()
+        self._asset_store = AssetStore()
         self._revision = 0
         self._key: str | None = None
         self._moving = 0
@@ -141,9 +141,9 @@ class ViewServer:
         self._revision += 1
         if self._key is None:  # the key contains the script's camera, which services may move
             self._key = world_key(scene)
-        description = encode_json(describe(scene, moving, self._revision, self._depot, self._key))
+        description = encode_json(describe(scene, moving, self._revision, self._asset_store, self._key))
         url = f"/worlds/{self._revision}.json"
-        files = {path: File(mime, data, lasting=True) for path, (mime, data) in self._depot.take_new().items()}
+        files = {path: File(mime, data, lasting=True) for path, (mime, data) in self._asset_store.take_new().items()}
         files[url] = File("application/json", description, lasting=False)
         self._moving = len(moving)
         self._network.post(self._hub.site.files.update, files)

@@ -58,7 +58,7 @@ class World(ServerMessage, frozen=True):
     url: str
 
 
-class ControlLock(ServerMessage, frozen=True):
+class Seat(ServerMessage, frozen=True):
     """The page that drives, the pages that have requested control, and the number of pages."""
 
     driver: int | None

@@ -47,7 +47,7 @@ class Tape:
         self.wishes = Wishes()
         self.time = 0.0
         self._title = title
-        self._depot = AssetStore()
+        self._asset_store = AssetStore()
         self._key: str | None = None
         self._revision = 0
         self._files: dict[str, tuple[str, bytes]] = {}
@@ -84,9 +84,9 @@ class Tape:
         self._revision += 1
         if self._key is None:
             self._key = world_key(scene)
-        description = encode_json(describe(scene, moving, self._revision, self._depot, self._key))
+        description = encode_json(describe(scene, moving, self._revision, self._asset_store, self._key))
         url = f"/worlds/{self._revision}.json"
-        self._files.update(self._depot.take_new())
+        self._files.update(self._asset_store.take_new())
         self._files[url] = "application/json", description
         self.send(World(self._revision, url))
 

@@ -19,7 +19,7 @@ from morse.viewer.hub import Wishes
 from morse.viewer.looks import appearances, moving_nodes
 from morse.viewer.page_export.page_recording import Tape
 from morse.viewer.protocol import VERSION
-from morse.viewer.view_messages import ControlLock, History, Recordings, Tree, Welcome
+from morse.viewer.view_messages import History, Recordings, Seat, Tree, Welcome
 
 if TYPE_CHECKING:
     from morse.recording.recording import Recording
@@ -85,7 +85,7 @@ def wind(
     server.time = begin = start + first / frequency
     end = start + last / frequency
     server.send(Welcome(VERSION, 1, title))
-    server.send(ControlLock(1, [], 1))
+    server.send(Seat(1, [], 1))
     server.send(Recordings([], possible=False))
     places = min(last - first, _PLACES)
     server.send(History([begin + (end - begin) * place / places for place in range(places + 1)], recorded=True))
