@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.assets import load
+from morse.assets import load, search
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles.reader import read_meshes
 from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.cli.messages import CommandError, existing_file
 from morse.system import budget
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Iterator
 
 _HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="base"/>'
 _TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
@@ -143,3 +145,47 @@ def test_a_limit_that_is_used_up_is_an_error_of_the_file(tmp_path: Path) -> None
     (tmp_path / "a").write_bytes(b"a")
     with pytest.raises(OSError, match="larger than 0 bytes"):
         read_regular(tmp_path / "a", 0)
+
+
+def test_a_name_may_begin_as_a_home_folder_of_nobody(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("~nobody-of-this-name.urdf").write_text(f"{_HEAD}</robot>")
+    assert search.find("~nobody-of-this-name.urdf") == tmp_path / "~nobody-of-this-name.urdf"
+    assert search.find_file("~nobody-of-this-name.urdf") == tmp_path / "~nobody-of-this-name.urdf"
+    for name in ("~nobody-of-this-name/a.urdf", "~nobody-of-this-name"):
+        for find in (search.find, search.find_file):
+            with pytest.raises(search.AssetNotFoundError):
+                find(name)
+    with pytest.raises(CommandError, match="There is no file"):
+        existing_file("~nobody-of-this-name/a.mcap")
+
+
+def test_a_user_without_a_home_folder_has_no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_home() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    world = tmp_path / "w.sdf"
+    include = "<include><uri>https://fuel.gazebosim.org/1.0/me/models/m</uri></include>"
+    world.write_text(f'<sdf version="1.7"><world name="w">{include}</world></sdf>')
+    monkeypatch.setattr(Path, "home", no_home)
+    (warning,) = load(world).warnings
+    assert "is not on this machine" in warning
+
+
+def test_a_folder_that_may_not_be_listed_hides_no_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    listed = Path.iterdir
+
+    def iterdir(folder: Path) -> Iterator[Path]:
+        if folder == tmp_path / "users":
+            raise PermissionError(13, "Permission denied", str(folder))
+        return listed(folder)
+
+    model = tmp_path / "users/me/robot.urdf"
+    model.parent.mkdir(parents=True)
+    arm = tmp_path / "packages/arm_files"
+    arm.mkdir(parents=True)
+    (arm / "package.xml").write_text("<package><name>arm</name></package>")
+    (arm / "a.stl").write_bytes(bytes(84))
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "packages"))
+    monkeypatch.setattr(Path, "iterdir", iterdir)
+    assert find_near("package://arm/a.stl", model) == arm / "a.stl"

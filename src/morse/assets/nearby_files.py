@@ -145,8 +145,9 @@ def _packages(name: str, model: Path) -> Iterator[Path]:
 def _packages_in(folder: Path) -> dict[str, list[Path]]:
     """The packages directly below a folder, by name."""
     packages: dict[str, list[Path]] = {}
-    if folder != Path(folder.anchor) and folder.is_dir():
-        for one in sorted(folder.iterdir())[:_MOST_FOLDERS]:
+    # the user may not list the folders of others, such as /home
+    with contextlib.suppress(OSError):
+        for one in sorted(folder.iterdir())[:_MOST_FOLDERS] if folder != Path(folder.anchor) else ():
             if (name := _name_of(one)) is not None:
                 packages.setdefault(name, []).append(one)
     return packages

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from morse.assets.formats import suffixes
 from morse.core.classes.plugins import entry_points
 from morse.system import OF_MACHINE, variables
+from morse.system.shared_folders import expanded
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -152,7 +153,7 @@ def find_file(name: str, *folders: Path) -> Path:
     """
     if "\0" in name or not name.strip():
         raise ValueError(f"{name!r} is not the name of a file")
-    path, directories = Path(name).expanduser(), [*folders, *resource_dirs(), *component_dirs()]
+    path, directories = expanded(name), [*folders, *resource_dirs(), *component_dirs()]
     for candidate in (path, *(directory / path for directory in directories)):
         if os.path.isfile(candidate):
             return candidate.absolute()
@@ -173,7 +174,7 @@ def _siblings(path: Path) -> Iterator[Path]:
 def _candidates(name: str, category: str) -> Iterator[Path]:
     has_suffix = Path(name).suffix.lower() in suffixes()
     if has_suffix:
-        yield Path(name).expanduser()
+        yield expanded(name)
         names = [name]
     else:
         names = [name + suffix for suffix in suffixes()]
@@ -189,7 +190,7 @@ def _candidates(name: str, category: str) -> Iterator[Path]:
 def _folders(name: str) -> Iterator[Path]:
     """The folders that may be a model of Gazebo."""
     plain = name.removeprefix("model://")
-    yield Path(plain).expanduser()
+    yield expanded(plain)
     folders = [Path(entry) for variable in MODEL_PATHS for entry in variables.paths(variable)]
     yield from (directory / plain for directory in [*resource_dirs(), *folders])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import Path  # noqa: TC003 (the command line reads the annotations)
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -20,6 +20,7 @@ from morse.cli.sites import Sites
 from morse.core.reports import printing
 from morse.core.reports.printing import echo
 from morse.middleware import registry
+from morse.system.shared_folders import expanded
 from morse.version import __version__
 
 if TYPE_CHECKING:
@@ -164,7 +165,7 @@ def _check_scene(words: list[str], *, fix: bool, picture: Path | None) -> int:
 
 def _model(name: str) -> Path | None:
     """The model file of that name, or in a folder of that name; None for a script or an environment."""
-    path = Path(name).expanduser()
+    path = expanded(name)
     if path.is_dir():
         from morse.assets.model_folders import CONFIG, model_file
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import difflib
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.core.reports.printing import echo, harmless_paragraph
+from morse.system.shared_folders import expanded
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from pathlib import Path
 
 
 class CommandError(Exception):
@@ -54,7 +55,7 @@ def existing_file(name: str | os.PathLike[str]) -> Path:
     Raises:
         CommandError: it does not exist, or is a folder.
     """
-    path = Path(name).expanduser()
+    path = expanded(name)
     if path.is_dir():
         raise CommandError(f"{name} is a folder, not a file.")
     if not path.is_file():

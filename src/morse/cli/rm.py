@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,6 +10,7 @@ import typer
 from morse.cli.messages import CommandError, nearest, say
 from morse.cli.sites import Sites
 from morse.core.reports.printing import echo
+from morse.system.shared_folders import home
 
 
 def command(
@@ -27,7 +27,7 @@ def command(
         sites.forget(name)
         say(f"{directory} did not exist any more; the environment '{name}' is no longer registered.")
         return
-    if Path.home().resolve().is_relative_to(directory.resolve()):
+    if (own := home()) is not None and own.resolve().is_relative_to(directory.resolve()):
         sites.forget(name)
         raise CommandError(
             f"{directory} contains your home directory, and was not deleted. '{name}' is no longer registered."

@@ -9,11 +9,25 @@ from itertools import takewhile
 from pathlib import Path
 
 
+def home() -> Path | None:
+    """The home folder of the user; None if it has none, as in a container that runs as a number."""
+    with contextlib.suppress(RuntimeError):
+        return Path.home()
+    return None
+
+
+def expanded(name: str | os.PathLike[str]) -> Path:
+    """A path with ``~`` and ``~user`` replaced; as it is if there is no such user, since a name may begin so."""
+    with contextlib.suppress(RuntimeError):
+        return Path(name).expanduser()
+    return Path(name)
+
+
 def folders_above(path: Path) -> list[Path]:
     """The folders above a file, the nearest first: up to the home folder, that of temporary files, or the root."""
     shared = {Path(os.path.realpath(path.absolute().anchor))}
-    with contextlib.suppress(RuntimeError):  # a user without a home
-        shared.add(Path(os.path.realpath(Path.home())))
+    if (own := home()) is not None:
+        shared.add(Path(os.path.realpath(own)))
     with contextlib.suppress(OSError):  # no folder can be written
         shared.add(Path(os.path.realpath(tempfile.gettempdir())))
     shared |= {folder for one in shared for folder in one.parents}

@@ -12,6 +12,7 @@ from morse.assets.errors import AssetError
 from morse.assets.model_folders import CONFIG, model_file
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.xml_files import read_xml
+from morse.system.shared_folders import home
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -101,9 +102,9 @@ def _of_server(uri: str) -> tuple[str, str, list[Path], str]:
     versions: list[Path] = []
     place = (parts[2], parts[index - 1].lower(), "models", name.lower())
     if all(part not in ("", ".", "..") and os.sep not in part and "\0" not in part for part in place):
-        for cache in _CACHES:
-            folder = Path.home().joinpath(*cache, *place)
-            found = [one for one in folder.glob("*") if one.name.isdigit() and one.is_dir()]
+        own = home()
+        for folder in [own.joinpath(*cache, *place) for cache in _CACHES] if own is not None else ():
+            found = [one for one in folder.glob("*") if one.name.isdecimal() and one.is_dir()]
             versions += sorted(found, key=lambda one: int(one.name[:9]), reverse=True)
     wanted = parts[index + 2] if len(parts) > index + 2 else ""
     versions.sort(key=lambda one: one.name != wanted)

@@ -14,6 +14,7 @@ from morse.core.validation.names import file_name
 from morse.middleware.text.file import TextFile
 from morse.middleware.text.streams import TextStream
 from morse.system.free_names import free_path
+from morse.system.shared_folders import expanded
 
 if TYPE_CHECKING:
     from morse.core.context import Context
@@ -63,7 +64,7 @@ class TextDatastreamManager(DatastreamManager):
         return stream
 
     def _file(self, name: str, choice: str | None) -> TextFile:
-        path = Path(choice).expanduser().absolute() if choice else Path(f"{file_name(name)}.txt").absolute()
+        path = expanded(choice).absolute() if choice else Path(f"{file_name(name)}.txt").absolute()
         if not choice and self._is_running and path not in self._files:
             if path not in self._instead:
                 self._instead[path] = free_path(path)
