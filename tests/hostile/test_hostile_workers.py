@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import pickle
 import struct
-from typing import TYPE_CHECKING
+import threading
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 import morse
+from morse.many import Study
 from morse.rendering import workers
 from morse.system.workers import Worker, WorkerError
 
@@ -80,6 +83,38 @@ def test_what_is_written_into_the_connection_itself_is_no_answer(written: bytes)
     with pytest.raises(WorkerError):
         worker.receive()
     worker.close()
+
+
+@pytest.mark.parametrize("written", [b"Segmentation fault\n", b"    at 0x7f", b"~~~~~"])
+def test_nobody_waits_for_the_rest_of_what_is_no_message(written: bytes) -> None:
+    """The process lives on, and believes that it has answered."""
+    ours, theirs = multiprocessing.Pipe()
+    worker = Worker(ours, None)
+    # without a limit, this ends the test
+    limit = threading.Timer(20.0, theirs.close)
+    limit.start()
+    os.write(theirs.fileno(), written)
+    theirs.send_bytes(struct.pack("<Q", 0) + b"answer")
+    with pytest.raises(WorkerError):
+        worker.receive()
+    assert limit.is_alive()
+    limit.cancel()
+    worker.close()
+    theirs.close()
+
+
+def scribble(sim: Any) -> None:
+    """Write to every descriptor, as a library that logs to the number of a closed file."""
+    sim.step()
+    for number in range(3, 64):
+        with contextlib.suppress(OSError):
+            os.write(number, b"warning: something is wrong\n")
+
+
+def test_a_run_that_writes_to_all_descriptors_is_a_failure(tmp_path: Path) -> None:
+    (tmp_path / "scene.py").write_text(SCENE)
+    (row,) = Study(tmp_path / "scene.py", scribble).run(tmp_path / "results", workers=1)
+    assert row["error"]
 
 
 def test_what_a_program_prints_before_it_serves_is_no_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -41,8 +41,9 @@ ONE_THREAD = dict.fromkeys(("MORSE_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_TH
 GRACE = 5.0
 #: the number of a question, before it and before its answer
 _NUMBER = struct.Struct("<Q")
-#: bytes of the largest message; a length beyond it is no length, but something else
-_MOST = 1 << 32
+#: bytes of the largest message; a length beyond it is no length, but something else: no text begins with a smaller one,
+#: for whose rest the reader would wait
+_MOST = (ord(" ") << 24) - 1
 #: variables without which a program does not start on some systems
 _NEEDED = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
 
