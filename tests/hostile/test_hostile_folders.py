@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from typing import TYPE_CHECKING
@@ -13,7 +14,10 @@ from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.builder import bpymorse  # noqa: F401  # the builder is loaded before the folder can hide a module
 from morse.builder.names.places import source_folders
 from morse.core.exceptions import MorseError
+from morse.recording.mcap.writer import McapWriter
+from morse.system.free_names import free_path
 from morse.system.own_programs import command
+from morse.system.regular_files import RefusedFileError, check_default_name
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -91,3 +95,64 @@ def test_a_description_of_a_stranger_reads_no_temporary_file(tmp_path: Path, mon
     for name in ("package://of_others/photo.png", f"package://{tmp_path.name}/of_others/photo.png"):
         with pytest.raises(FileRefusedError):
             find_near(name, model)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs links and pipes")
+@pytest.mark.parametrize("kind", ["link", "dangling link", "hard link", "pipe", "folder"])
+def test_a_name_that_the_user_has_not_chosen_leads_nowhere(tmp_path: Path, kind: str) -> None:
+    precious, path = tmp_path / "precious", tmp_path / "downloads/robot_check.png"
+    path.parent.mkdir()
+    check_default_name(path)
+    path.write_bytes(b"an earlier picture")
+    check_default_name(path)
+    path.unlink()
+    if kind != "dangling link":
+        precious.write_text("mine")
+    if kind == "hard link":
+        path.hardlink_to(precious)
+    elif kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to(precious)
+    with pytest.raises(RefusedFileError, match="is not written: give another name"):
+        check_default_name(path)
+    assert free_path(path) == path.with_stem("robot_check_2")
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        ("check robot.urdf", "robot_check.png"),
+        ("render robot.urdf", "picture.png"),
+        ("import-world -f world.sdf", "scene.py"),
+        ("import-world world.sdf", "scene.py"),
+        ("export --foxglove-layout run.mcap", "run-layout.json"),
+        ("export --film run.mcap", "run.gif"),
+        ("export --mcap run.mcap", "run-complete.mcap"),
+        ("export --csv run.mcap", "run"),
+    ],
+)
+@pytest.mark.parametrize("exists", [True, False], ids=["present", "dangling"])
+def test_no_command_writes_through_a_link_that_came_with_a_folder(
+    tmp_path: Path, words: str, name: str, exists: bool
+) -> None:
+    precious, downloads = tmp_path / "precious", tmp_path / "downloads"
+    downloads.mkdir()
+    (downloads / "robot.urdf").write_text(ROBOT)
+    world = '<sdf version="1.7"><world name="$(touch evil)"><model name="m"><link name="l"/></model></world></sdf>'
+    (downloads / "world.sdf").write_text(world)
+    with open(downloads / "run.mcap", "wb", buffering=0) as file:
+        McapWriter(file).finish()
+    (downloads / name).symlink_to(precious)
+    if exists:
+        precious.write_text("mine")
+    program = [sys.executable, "-P", "-c", "from morse.cli import main; main()", *words.split()]
+    done = subprocess.run(program, cwd=downloads, capture_output=True, check=False, timeout=60, text=True)
+    assert "Traceback" not in done.stderr
+    if exists:
+        assert precious.read_text() == "mine"
+    else:
+        assert not precious.exists()
+    assert done.returncode != 0

@@ -13,6 +13,7 @@ from rich.text import Text
 from morse.cli.messages import CommandError, say, sentence
 from morse.core.reports.printing import console
 from morse.scene.armature import JointKind
+from morse.system.regular_files import check_default_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -46,6 +47,8 @@ def check_model(path: Path, picture: Path | None = None) -> int:
     console().print(table)
     target = picture or Path(f"{path.stem}_check.png")
     try:
+        if picture is None:
+            check_default_name(target)
         draw(path, library, target)
     except OSError as error:
         raise CommandError(f"the picture {target} could not be written: {error.strerror or error}") from None

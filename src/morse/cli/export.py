@@ -16,6 +16,7 @@ from morse.cli.paging import page as write_page
 from morse.cli.scenes import resolve
 from morse.cli.sites import registered
 from morse.cli.viewing import place_of, size_of
+from morse.system.regular_files import check_default_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -178,6 +179,8 @@ def command(
     if [csv, parquet, mcap, film, html is not None, foxglove_layout].count(True) != 1:
         raise CommandError("Give --csv or --parquet for tables, --mcap, --film, --html or --foxglove-layout.", 2)
     if foxglove_layout:
+        if not output:
+            _check_default(Path(f"{Path(file).stem}-layout.json"))
         return write_layout(file, Path(output or f"{Path(file).stem}-layout.json"))
     existing_file(file)
     if html is not None:
@@ -200,6 +203,8 @@ def command(
             begin,
             length,
         )
+        if not output:
+            _check_default(Path(f"{Path(file).stem}.gif"))
         return _film(file, Path(output or f"{Path(file).stem}.gif"), what, scene or "", trust)
     folder = to or output or os.path.splitext(os.path.basename(file))[0]
     selection = [topic.strip() for topic in (topics or "").split(",") if topic.strip()]
@@ -237,6 +242,13 @@ def _complete(file: str, path: Path, topics: list[str]) -> int:
         say(f"{summary.damaged} damaged chunks are left out.")
     say(f"{path}: {summary.messages} messages.")
     return 0
+
+
+def _check_default(path: Path) -> None:
+    try:
+        check_default_name(path)
+    except OSError as error:
+        raise CommandError(f"-o: {error}.") from None
 
 
 def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:

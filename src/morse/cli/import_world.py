@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from morse.cli.messages import CommandError, existing_file, say, sentence
+from morse.system.regular_files import check_default_name
 
 
 def command(
@@ -20,9 +22,10 @@ def command(
     from morse.assets.sdf.script import scene_script
 
     path, target = existing_file(world).absolute(), Path(output).absolute()
-    if target.exists() and not force:
+    if os.path.lexists(target) and not force:
         raise CommandError(f"{target} exists. Replace it with -f, or name another file with -o.")
     try:
+        check_default_name(target)
         target.write_text(scene_script(path, target.parent), encoding="utf-8")
     except (ValueError, OSError) as error:
         raise CommandError(sentence(error)) from None

@@ -10,6 +10,7 @@ import typer
 from morse.cli.messages import CommandError, complain, nearest, say
 from morse.cli.scenes import resolve
 from morse.cli.viewing import drawn, place_of, request_of, shape_of, size_of, usual_of
+from morse.system.regular_files import RefusedFileError, check_default_name
 
 if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
@@ -74,7 +75,8 @@ def command(
     places = place_of(origin, "--from"), place_of(target, "--to")
     try:
         picture_files.check(path, film=film is not None)
-    except ValueError as error:
+        check_default_name(path)
+    except (ValueError, RefusedFileError) as error:
         raise CommandError(f"-o: {error}.", status=2) from None
     simulation = load(scene, seed)
     try:

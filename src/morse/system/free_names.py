@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -44,4 +45,4 @@ def free_name(name: str, is_taken: Callable[[str], bool], *, first: int = 2, dig
 
 def free_path(path: Path) -> Path:
     """Return the path of a file that does not exist: the path itself, or with the first number that is free, from 2."""
-    return path.with_stem(free_name(path.stem, lambda stem: path.with_stem(stem).exists()))
+    return path.with_stem(free_name(path.stem, lambda stem: os.path.lexists(path.with_stem(stem))))

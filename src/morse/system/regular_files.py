@@ -64,6 +64,29 @@ def read_regular(path: str | Path, most: int = SOURCE_LIMIT) -> bytes:
     return content
 
 
+def check_default_name(path: Path) -> None:
+    """Check a file that is written under a name that the user has not chosen, before it is opened.
+
+    A folder that somebody has sent may have a link of this name, which leads to a file of the user.
+
+    Raises:
+        RefusedFileError: there is something else than a file with this one name.
+    """
+    try:
+        status = os.lstat(path)
+    except FileNotFoundError:
+        return
+    what = ""
+    if stat.S_ISLNK(status.st_mode):
+        what = "a symbolic link"
+    elif not is_regular(status):
+        what = "a folder" if stat.S_ISDIR(status.st_mode) else _kind(status.st_mode)
+    elif status.st_nlink > 1:
+        what = "a file with several names (hard links)"
+    if what:
+        raise RefusedFileError(errno.EEXIST, f"it is {what}, and is not written: give another name", str(path))
+
+
 def is_regular(status: stat_result) -> bool:
     """Whether a file has content of a certain size: it is no directory, pipe, socket or device."""
     return stat.S_ISREG(status.st_mode)
