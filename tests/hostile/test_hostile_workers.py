@@ -19,6 +19,7 @@ from morse.rendering import workers
 from morse.system.workers import Worker, WorkerError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 SCENE = """
@@ -111,9 +112,16 @@ def scribble(sim: Any) -> None:
             os.write(number, b"warning: something is wrong\n")
 
 
-def test_a_run_that_writes_to_all_descriptors_is_a_failure(tmp_path: Path) -> None:
+def close_all(sim: Any) -> None:
+    """Close every descriptor, as a program does that becomes a daemon."""
+    sim.step()
+    os.closerange(3, 64)
+
+
+@pytest.mark.parametrize("run", [scribble, close_all])
+def test_a_run_that_uses_the_descriptors_of_others_is_a_failure(run: Callable[[Any], None], tmp_path: Path) -> None:
     (tmp_path / "scene.py").write_text(SCENE)
-    (row,) = Study(tmp_path / "scene.py", scribble).run(tmp_path / "results", workers=1)
+    (row,) = Study(tmp_path / "scene.py", run).run(tmp_path / "results", workers=1)
     assert row["error"]
 
 

@@ -480,8 +480,11 @@ def serve(connection: Connection, start: Callable[[], Server], *, watches: bool 
         number, text = question[: _NUMBER.size], question[_NUMBER.size :]
         message = number + server.answer(text)
         questions.answered += 1
-        with contextlib.suppress(OSError):  # nobody waits any more
+        try:
             connection.send_bytes(message)
+        except OSError:
+            # nobody waits any more; or a library has closed the connection, and only the end tells the one that waits
+            break
     server.close()
 
 
