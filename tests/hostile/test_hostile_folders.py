@@ -156,3 +156,25 @@ def test_no_command_writes_through_a_link_that_came_with_a_folder(
     else:
         assert not precious.exists()
     assert done.returncode != 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "export --html run.mcap run.mcap",
+        "export --foxglove-layout -o ./run.mcap run.mcap",
+        "export --mcap -o link.mcap run.mcap",
+        "import-world -f -o world.sdf world.sdf",
+    ],
+)
+def test_no_command_writes_the_file_that_it_reads(tmp_path: Path, words: str) -> None:
+    with open(tmp_path / "run.mcap", "wb", buffering=0) as file:
+        McapWriter(file).finish()
+    (tmp_path / "link.mcap").symlink_to("run.mcap")
+    (tmp_path / "world.sdf").write_text('<sdf version="1.7"><world name="w"/></sdf>')
+    before = [(tmp_path / name).read_bytes() for name in ("run.mcap", "world.sdf")]
+    program = [sys.executable, "-P", "-c", "from morse.cli import main; main()", *words.split()]
+    done = subprocess.run(program, cwd=tmp_path, capture_output=True, check=False, timeout=60, text=True)
+    assert done.returncode == 2
+    assert "is the file that is read" in " ".join(done.stderr.split())
+    assert [(tmp_path / name).read_bytes() for name in ("run.mcap", "world.sdf")] == before

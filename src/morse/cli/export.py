@@ -11,7 +11,7 @@ import typer
 
 from morse.cli.filming import Filmed, check_span
 from morse.cli.filming import film as write_film
-from morse.cli.messages import CommandError, existing_file, say
+from morse.cli.messages import CommandError, check_other, existing_file, say
 from morse.cli.paging import page as write_page
 from morse.cli.scenes import resolve
 from morse.cli.sites import registered
@@ -178,6 +178,8 @@ def command(
 
     if [csv, parquet, mcap, film, html is not None, foxglove_layout].count(True) != 1:
         raise CommandError("Give --csv or --parquet for tables, --mcap, --film, --html or --foxglove-layout.", 2)
+    for written in (output, html):
+        check_other(written, file)
     if foxglove_layout:
         if not output:
             _check_default(Path(f"{Path(file).stem}-layout.json"))

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from morse.cli.messages import CommandError, existing_file, say, sentence
+from morse.cli.messages import CommandError, check_other, existing_file, say, sentence
 from morse.system.regular_files import check_default_name
 
 
@@ -24,6 +24,7 @@ def command(
     path, target = existing_file(world).absolute(), Path(output).absolute()
     if os.path.lexists(target) and not force:
         raise CommandError(f"{target} exists. Replace it with -f, or name another file with -o.")
+    check_other(target, path)
     try:
         check_default_name(target)
         target.write_text(scene_script(path, target.parent), encoding="utf-8")

@@ -64,6 +64,16 @@ def existing_file(name: str | os.PathLike[str]) -> Path:
     return path
 
 
+def check_other(output: str | os.PathLike[str] | None, source: str | os.PathLike[str]) -> None:
+    """Check that a command does not write the file that it reads.
+
+    Raises:
+        CommandError: both are one file.
+    """
+    if output is not None and os.path.exists(output) and os.path.exists(source) and os.path.samefile(output, source):
+        raise CommandError(f"{output} is the file that is read: give another name for the file that is written.", 2)
+
+
 def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str:
     """A hint such as `` Did you mean 'ranger_sim'?``, or an empty string if no candidate is similar to the word."""
     by_folded = {candidate.lower(): candidate for candidate in candidates}
