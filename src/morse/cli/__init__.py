@@ -34,6 +34,8 @@ def _written(status: int) -> int:
 
     Otherwise Python does so at its end, and fails with status 120 where the disk is full or nobody reads any more.
     """
+    if sys.stdout is None:  # a component has removed it
+        return status
     try:
         sys.stdout.flush()
     except (OSError, ValueError) as error:

@@ -23,12 +23,19 @@ def expanded(name: str | os.PathLike[str]) -> Path:
     return Path(name)
 
 
+def _temporary_folders() -> set[str]:
+    """All folders of temporary files: the usual ones, and that of Python, which finds none if nothing can be written."""
+    folders = {os.environ.get(name, "") for name in ("TMPDIR", "TEMP", "TMP")} | {"/tmp", "/var/tmp", "/usr/tmp"}
+    with contextlib.suppress(OSError):
+        folders.add(tempfile.gettempdir())
+    return {folder for folder in folders if folder and os.path.isabs(folder)}
+
+
 def folders_above(path: Path) -> list[Path]:
     """The folders above a file, the nearest first: up to the home folder, that of temporary files, or the root."""
     shared = {Path(os.path.realpath(path.absolute().anchor))}
     if (own := home()) is not None:
         shared.add(Path(os.path.realpath(own)))
-    with contextlib.suppress(OSError):  # no folder can be written
-        shared.add(Path(os.path.realpath(tempfile.gettempdir())))
+    shared |= {Path(os.path.realpath(folder)) for folder in _temporary_folders()}
     shared |= {folder for one in shared for folder in one.parents}
     return list(takewhile(lambda folder: Path(os.path.realpath(folder)) not in shared, path.absolute().parents))
