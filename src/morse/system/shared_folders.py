@@ -24,7 +24,7 @@ def expanded(name: str | os.PathLike[str]) -> Path:
 
 
 def _temporary_folders() -> set[str]:
-    """All folders of temporary files: the usual ones, and that of Python, which finds none if nothing can be written."""
+    """Folders of temporary files: the usual ones, and that of Python, which has none if nothing can be written."""
     folders = {os.environ.get(name, "") for name in ("TMPDIR", "TEMP", "TMP")} | {"/tmp", "/var/tmp", "/usr/tmp"}
     with contextlib.suppress(OSError):
         folders.add(tempfile.gettempdir())

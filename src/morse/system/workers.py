@@ -45,7 +45,7 @@ _NUMBER = struct.Struct("<Q")
 #: for whose rest the reader would wait
 _MOST = (ord(" ") << 24) - 1
 #: variables without which a program does not start on some systems
-_NEEDED = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
+_NEEDED = ("SYSTEMROOT", "TMPDIR", "TEMP", "TMP", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
 
 #: the ends of connections that belong to this process; copies of it must not keep them open
 _own: weakref.WeakSet[Connection] = weakref.WeakSet()
