@@ -15,7 +15,7 @@ import pytest
         ("run --seed=1.5 proj", ["--seed takes an integer, not '1.5'."]),
         ("run --seed", ["--seed takes an integer: none was given.", "`morse run -h`"]),
         ("run --headless=3 proj", ["--headless takes no value.", "`morse run -h`"]),
-        ("verify --ticks 0 proj", ["--ticks takes an integer of at least 1, not '0'."]),
+        ("verify --ticks 0 proj", ["--ticks takes an integer of at least 1, such as 600; got 0."]),
         ("render --time -1 proj", ["--time takes a number of at least 0, not '-1'."]),
         ("replay --view-port 99999 a.mcap", ["--view-port takes an integer from 0 to 65535, not '99999'."]),
         ("demo laser x", ["There is one argument too many: x."]),

@@ -89,7 +89,7 @@ class _Server:
         robot._parts[self._name] = Component(client, self._name, f"{fqn}.{self._name}", ["IN"], None, [])
         return robot
 
-    def rpc(self, *_arguments: object) -> dict[str, object]:
+    def rpc_t(self, *_arguments: object) -> dict[str, object]:
         return {self._name: self._name}
 
 

@@ -177,6 +177,19 @@ def test_ctrl_c_twice_ends_a_scene_script(tmp_path: Path) -> None:
             process.kill()
 
 
+def test_a_second_ctrl_c_within_a_write_ends_the_process() -> None:
+    program = (
+        "import sys\n"
+        "from morse.cli.run import _leave\n"
+        "class Busy:\n"
+        "    def flush(self): raise RuntimeError('reentrant call inside BufferedWriter')\n"
+        "sys.stdout = Busy()\n"
+        "_leave(130)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (130, b"")
+
+
 def test_ctrl_c_at_the_end_does_not_wait_for_the_limit(launch: Callable[..., Any]) -> None:
     process = launch("pass", "pass", "print('ending', flush=True); self.wait_for_ever()", "--duration", "0.2")
     for line in process.stdout:

@@ -216,11 +216,14 @@ def _workers(place: str | None) -> int | str | None:
 
 def _leave(status: int) -> None:
     """End the process at once, without waiting for threads that do not end."""
-    logging.shutdown()
-    for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError, AttributeError):
-            stream.flush()
-    os._exit(status)
+    try:
+        logging.shutdown()
+        for stream in (sys.stdout, sys.stderr):
+            # a signal within a write of the same stream finds it busy, which is a RuntimeError
+            with contextlib.suppress(Exception):
+                stream.flush()
+    finally:
+        os._exit(status)
 
 
 def _options(context: typer.Context) -> list[object]:
