@@ -11,15 +11,7 @@ if TYPE_CHECKING:
 
 
 def closed_labels(points: NDArray[np.float32], index: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Find the closed parts of a mesh.
-
-    Args:
-        points: (V, 3) positions of the vertices, without -0.
-        index: (T, 3) vertices of the triangles, at least one triangle.
-
-    Returns:
-        (T,) the first triangle of the part of each triangle, -1 if the part is not closed.
-    """
+    """See `morse.kernel.drawing.closed_labels`."""
     count = len(index)
     corners = points[index].astype(np.float64)
     beside, is_paired = _neighbours(_welded(points[index].reshape(-1, 3)).reshape(-1, 3))

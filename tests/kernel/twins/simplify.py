@@ -20,18 +20,7 @@ Vector = tuple[float, ...]
 
 
 def simplify(mesh: Simplification, limit: float) -> int:
-    """Simplify a mesh up to a limit of the error, in place; the next call, with a larger limit, goes on.
-
-    A vertex moves onto the neighbour where the error is smallest. Vertices whose surroundings have changed wait for the
-    next pass.
-
-    Args:
-        mesh: the mesh.
-        limit: largest error, m.
-
-    Returns:
-        The number of triangles that remain.
-    """
+    """See `morse.kernel.drawing.simplify`."""
     return _Work(mesh, limit).run()
 
 
