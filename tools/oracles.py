@@ -165,7 +165,7 @@ class _Silent(Subscription):
 
 def middlewares() -> list[str]:
     """The middlewares of MORSE with streams, but ROS 1, which needs an installation even to form messages."""
-    return sorted(name for name, entry in installed().items() if entry.stream_manager is not None and name != "ros")
+    return sorted(name for name, entry in installed().items() if entry.default_publisher is not None and name != "ros")
 
 
 class _Bytes:

@@ -133,7 +133,7 @@ def _yarp_text(numbers: dict[str, Any]) -> None:
 def _ros2(size: int) -> Callable[[dict[str, Any]], None]:
     def run(numbers: dict[str, Any]) -> None:
         from morse.middleware.ros2.backends.cyclone import CycloneBackend
-        from morse.rosmsgs.qos import Qos
+        from morse.rosmsgs.table import Qos
 
         backend = CycloneBackend({"domain_id": numbers["domain"], "interface": ""})
         publisher = backend.publisher("/robot/motion", "geometry_msgs/msg/Twist", Qos(1))
@@ -147,7 +147,7 @@ def _ros2(size: int) -> Callable[[dict[str, Any]], None]:
 
 def _ros2_topics(numbers: dict[str, Any]) -> None:
     from morse.middleware.ros2.backends.cyclone import CycloneBackend
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
 
     backend = CycloneBackend({"domain_id": numbers["domain"], "interface": ""})
     publishers = [backend.publisher(f"/foreign{n}", "std_msgs/msg/String", Qos(1)) for n in range(1500)]

@@ -17,11 +17,13 @@ from morse.builder import (
     MorseBuilderError,
     MorseError,
     MorseMiddlewareError,
+    MorseMultinodeError,
     Pose,
     TimeStrategies,
     workspace,
 )
 from morse.builder.assembly.finalise import build_scene
+from morse.middleware import registry
 from morse.scene import Mist
 
 if TYPE_CHECKING:
@@ -67,7 +69,7 @@ def test_defaults(env: Environment) -> None:
     assert view.camera_speed == 2.0
     assert view.camera_focal_length == 20.0
     assert built.simulation_managers == [SERVICES]
-    assert built.multinode is None
+    assert built.manager_options == {}
 
 
 def test_unknown_environments() -> None:
@@ -315,12 +317,14 @@ def test_services_of_the_simulation(env: Environment) -> None:
 
 def test_multinode(env: Environment) -> None:
     env.configure_multinode(server_port="65001", distribution={"a": ["r1", "r2"], "b": ["r3"]})
-    assert scene().multinode == {
-        "protocol": "socket",
-        "server_address": "localhost",
-        "server_port": 65001,
-        "distribution": {"a": ["r1", "r2"], "b": ["r3"]},
-    }
+    manager = registry.stream_manager("multinode")
+    assert scene().manager_options == {manager: {"server_address": "localhost", "server_port": 65001}}
+
+
+def test_multinode_without_a_middleware_for_it(env: Environment, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "installed", dict)
+    with pytest.raises(MorseMultinodeError, match="no installed middleware exchanges poses"):
+        env.configure_multinode()
 
 
 def test_log_levels_and_properties(env: Environment) -> None:

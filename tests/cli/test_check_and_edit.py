@@ -106,10 +106,10 @@ def test_a_broken_kernel_is_reported_not_raised(monkeypatch, tmp_path):
 
 
 def test_an_environment_that_does_not_see_ros_of_the_system_is_told_so(tmp_path, monkeypatch):
-    (tmp_path / "rospy").mkdir()
+    (tmp_path / "rosgraph").mkdir()
     monkeypatch.setattr(findings_module, "_DEBIAN", str(tmp_path))
     monkeypatch.setattr(findings_module.importlib.util, "find_spec", lambda name: None)
-    finding = findings_module._ros1()
+    finding = next(one for one in findings_module._middlewares() if one.name == "rosgraph")
     assert not finding.found
     assert "--system-site-packages" in finding.install
     assert str(tmp_path) in finding.install

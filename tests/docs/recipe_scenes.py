@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.remap import Remaps
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable

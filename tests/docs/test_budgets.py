@@ -71,8 +71,8 @@ ROWS = [
     ("plugins.yarp.request_manager", "_MOST_WAITING", 1024, "of YARP", "1,024"),
     ("plugins.mavlink.intake", "_MOST_BYTES", 16 * KB, "of MAVLink", "16 KB"),
     ("plugins.mavlink.autopilot.transfers", "_MOST_ITEMS", 5000, "of MAVLink", "5,000"),
-    ("middleware.multinode.messages", "MAX_LINE", MB, "of other nodes", "1 MB"),
-    ("middleware.multinode.server", "_MOST_ROBOTS", 10_000, "of other nodes", "10,000"),
+    ("plugins.multinode.messages", "MAX_LINE", MB, "of other nodes", "1 MB"),
+    ("plugins.multinode.server", "_MOST_ROBOTS", 10_000, "of other nodes", "10,000"),
     ("core.reports.folding", "PERIOD", 10.0, "of one kind of mistake", "ten seconds"),
     ("core.clients.complaints", "_MAX_KINDS", 20, "of one kind of mistake", "20 lines"),
 ]

@@ -16,9 +16,9 @@ from morse.core.clients.acceptors import Acceptor
 from morse.core.clients.acceptors.streams import AcceptedProtocol, StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.network import Network
-from morse.middleware.multinode.server import MultinodeServer
 from morse.middleware.socket import time_sync
 from morse.plugins.mavlink.links import open_link
+from morse.plugins.multinode.server import MultinodeServer
 from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:

@@ -288,7 +288,7 @@ def test_bottles_that_wait_have_a_budget_and_the_newest_stay(count: int, most: i
 
 
 def test_finished_goals_of_ros_1_are_forgotten_also_while_no_time_passes() -> None:
-    from morse.middleware.ros.actions import _ACTIVE, _SUCCEEDED, ActionServer
+    from morse.plugins.ros.actions import _ACTIVE, _SUCCEEDED, ActionServer
 
     server: Any = ActionServer.__new__(ActionServer)
     server._now, server._stamp = 1.0, 10**9
@@ -299,9 +299,9 @@ def test_finished_goals_of_ros_1_are_forgotten_also_while_no_time_passes() -> No
     with pytest.MonkeyPatch.context() as patch:
         made = SimpleNamespace(status_list=[])
         patch.setattr(
-            "morse.middleware.ros.actions.message", lambda name, _: made if "Array" in name else SimpleNamespace()
+            "morse.plugins.ros.actions.message", lambda name, _: made if "Array" in name else SimpleNamespace()
         )
-        patch.setattr("morse.middleware.ros.actions.time", lambda _: None)
+        patch.setattr("morse.plugins.ros.actions.time", lambda _: None)
         server._tell()
     assert len(made.status_list) <= 100
     assert made.status_list[-1].goal_id == 5000

@@ -25,12 +25,12 @@ from effort import examples
 from event_loops import run_apart
 from morse.builder import ATRV, Environment, MotionVW, Pose
 from morse.core.clients.network import Network
-from morse.middleware.multinode.server import MultinodeServer
 from morse.plugins.mavlink import framing, links
 from morse.plugins.mavlink.framing import Framer
 from morse.plugins.mavlink.intake import Intake
 from morse.plugins.mavlink.links import UdpLink, open_link
 from morse.plugins.moos.packets import check_packet
+from morse.plugins.multinode.server import MultinodeServer
 from morse.plugins.yarp.names import Address, NameServer, is_alive
 from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen, port_of

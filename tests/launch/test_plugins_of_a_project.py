@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import logging
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
 
 import morse
 from morse.builder.errors import ScriptError
+from morse.core.classes.plugins import entry_points
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -153,3 +155,17 @@ def test_a_component_class_in_the_script_is_named_with_the_mend(tmp_path: Path) 
     )
     with pytest.raises(ScriptError, match=r"altitude\.py beside the script, and write `from altitude import Altitude`"):
         morse.load(script)
+
+
+def test_what_was_installed_of_a_project_gives_way_to_its_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An installation for development keeps the entry points of the day on which it was made."""
+    declared = '[project]\nname = "My.Lab"\n' + PROJECT.replace("lab.changes", "lab.other")
+    source = project(tmp_path / "lab", declared=declared).parent / "src"
+    installed = tmp_path / "packages"
+    for name, module in (("my_lab", "lab.changes"), ("others", "others.changes")):
+        folder = installed / f"{name}-1.0.dist-info"
+        folder.mkdir(parents=True)
+        (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+        (folder / "entry_points.txt").write_text(f"[morse.modifiers]\n{name} = {module}\n")
+    monkeypatch.setattr(sys, "path", [str(source), str(installed)])
+    assert [point.value for point in entry_points("morse.modifiers")] == ["lab.other", "others.changes"]

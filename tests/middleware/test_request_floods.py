@@ -51,7 +51,7 @@ def yarp(served: list[Any]) -> Any:
 
 
 def ros(served: list[Any]) -> Any:
-    from morse.middleware.ros.request_manager import RosRequestManager, _Waiting
+    from morse.plugins.ros.request_manager import RosRequestManager, _Waiting
 
     manager = RosRequestManager(context())
     begin = manager._begin("simulation", "spawn")

@@ -18,7 +18,6 @@ from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import blender
 from morse.kernel import loading
 from morse.middleware import registry
-from morse.middleware.ros import mapping as ros
 from morse.middleware.ros2.backends.choice import available
 from morse.system import extras
 from morse.system.extras import REINSTALL, install
@@ -69,7 +68,6 @@ def findings() -> Iterator[Finding]:
     yield _data()
     yield _kernel()
     yield _ros2()
-    yield _ros1()
     yield from _middlewares()
     yield _browser()
     yield _blender()
@@ -132,21 +130,22 @@ def _ros2() -> Finding:
     )
 
 
-def _ros1() -> Finding:
-    gives = "topics, services and actions of ROS 1"
-    if importlib.util.find_spec("rospy") is None and Path(_DEBIAN, "rospy").is_dir():
+def _middlewares() -> Iterator[Finding]:
+    """What middlewares need of others, and say how to install."""
+    for entry in registry.installed().values():
+        if entry.modules and entry.how_to_install():
+            yield _middleware(entry)
+
+
+def _middleware(entry: registry.Middleware) -> Finding:
+    module = entry.modules[0]
+    if importlib.util.find_spec(module) is None and Path(_DEBIAN, module).is_dir():
         # a virtual environment does not see the packages of the system
         mend = f"python3 -m venv --system-site-packages, or add {_DEBIAN} to PYTHONPATH"
-        return Finding("ROS 1", False, f"rospy of Debian, which {sys.prefix} does not see", gives, mend)
-    return Finding("ROS 1", importlib.util.find_spec("rospy") is not None, "rospy", gives, ros.INSTALL)
-
-
-def _middlewares() -> Iterator[Finding]:
-    """What middlewares need that are not of ROS."""
-    for entry in registry.installed().values():
-        if entry.modules and entry.extra:
-            distribution = re.split(r"[<>=~! ]", (extras.packages(entry.extra) or [entry.modules[0]])[0])[0]
-            yield _module(entry.modules[0], distribution, entry.purpose, entry.how_to_install())
+        return Finding(module, False, f"{module} of Debian, which {sys.prefix} does not see", entry.purpose, mend)
+    packages = extras.packages(entry.extra) if entry.extra else []
+    distribution = re.split(r"[<>=~! ]", (packages or [module])[0])[0]
+    return _module(module, distribution, entry.purpose, entry.how_to_install())
 
 
 def _data() -> Finding:

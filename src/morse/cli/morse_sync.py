@@ -16,9 +16,9 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from morse.cli.ports import port_number
 from morse.core.reports.log import log_plainly
 from morse.core.reports.printing import echo
+from morse.wire.listener import port_number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

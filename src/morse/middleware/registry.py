@@ -1,10 +1,10 @@
 """The installed middlewares, and the classes that connect components to them.
 
-Each middleware describes itself by a `Middleware`: those of the core in ``morse/middleware/<name>/mapping.py``
-as ``MIDDLEWARE``, those of plug-ins and of other packages by an entry point::
+Each middleware describes itself by a `Middleware`: those of the core in their packages below ``morse.middleware`` as
+``MIDDLEWARE``, those of plug-ins and of other packages by an entry point::
 
     [project.entry-points."morse.middlewares"]
-    zenoh = "my_lab.zenoh.mapping:MIDDLEWARE"
+    zenoh = "my_lab.zenoh:MIDDLEWARE"
 
 Descriptions do not import the middleware itself, so that a scene only loads what it uses.
 """
@@ -70,6 +70,10 @@ class Middleware:
         purpose: what it gives, in a few words, for lists of what is installed.
         in_place_of: names of middlewares that scripts may name although they are gone, and for which this one can be
             used.
+        names_topics_as_ros: whether its topics and frames have names of ROS, so that a stream takes those that the file
+            of a robot sets.
+        node_protocols: values of ``protocol`` of ``env.configure_multinode`` for which it exchanges the poses of robots
+            with other simulations; its options are then ``server_address`` and ``server_port``.
         takes_old_names: whether its streams can be given by class paths of MORSE 1.4 that are not classes any more.
         old_modules: paths below ``morse.middleware`` under which scripts import modules that are elsewhere today, and
             their present paths; also those of the modules below them.
@@ -91,6 +95,8 @@ class Middleware:
     install: str = ""
     purpose: str = ""
     in_place_of: tuple[str, ...] = ()
+    names_topics_as_ros: bool = False
+    node_protocols: tuple[str, ...] = ()
     takes_old_names: bool = False
     old_modules: Mapping[str, str] = field(default_factory=dict)
 
@@ -138,11 +144,8 @@ class Middleware:
 
 @cache
 def _ours(package: str) -> Middleware | None:
-    mapping = f"{package}.mapping"
-    if find_spec(mapping) is None:
-        return None
-    entry: Middleware = import_module(mapping).MIDDLEWARE
-    return entry
+    entry = getattr(import_module(package), "MIDDLEWARE", None)
+    return entry if isinstance(entry, Middleware) else None
 
 
 def _brought(point: EntryPoint) -> Middleware:
@@ -238,6 +241,11 @@ def middleware(name: str) -> Middleware:
 def _other_names() -> dict[str, str]:
     """Names of middlewares that are not there, and what can be used for each."""
     return _OTHER_NAMES | {other: entry.name for entry in installed().values() for other in entry.in_place_of}
+
+
+def middleware_of_nodes(protocol: str) -> Middleware | None:
+    """The middleware that exchanges the poses of robots with other simulations by a protocol, or None."""
+    return next((entry for entry in installed().values() if protocol in entry.node_protocols), None)
 
 
 def stream_manager(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.recording.errors import RecordingError
 from morse.rosmsgs.cdr import CdrError, decode, encode
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable

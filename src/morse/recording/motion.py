@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 from morse.helpers.transformation import Transformation3d
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.names import MAP
-from morse.rosmsgs.parts import header_at, quaternion, xyz
-from morse.rosmsgs.poses import quaternion_of
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.parts import header_at, quaternion, quaternion_of, xyz
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from morse.core.context import Context

@@ -21,7 +21,7 @@ from morse.recording.fields.columns import Columns, runs_of
 from morse.recording.fields.messages import UNFIT, Batch, Line, messages_of
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.names import cleaned
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 from morse.rosmsgs.topics.stream import TopicStream
 
 if TYPE_CHECKING:

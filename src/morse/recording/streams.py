@@ -17,7 +17,7 @@ from morse.recording.fields.values import Keeper
 from morse.recording.mcap.chunks import Messages
 from morse.recording.motion import Motion
 from morse.rosmsgs.definitions import definition
-from morse.rosmsgs.options import ROS2_MANAGER, TOPIC_OPTIONS
+from morse.rosmsgs.names import ROS2_MANAGER, TOPIC_OPTIONS
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 from morse.rosmsgs.topics.manager import TopicManager
 from morse.scene import StreamDeclaration
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from morse.core.values import Options
     from morse.recording.disk import Disk
     from morse.recording.fields.messages import Batch
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
 
 logger = logging.getLogger(__name__)
 

@@ -10,19 +10,25 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds import bind
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotations import turn
-from morse.rosmsgs.json_text import as_json
 from morse.rosmsgs.kinds import Ros2Topics
 from morse.rosmsgs.names import Names, relative_name, robot_of
-from morse.rosmsgs.outlets import Outlet
-from morse.rosmsgs.parts import covariance, floats, header, quaternion, three, xyz, xyzw
-from morse.rosmsgs.poses import (
+from morse.rosmsgs.parts import (
     OPTICAL_INVERSE,
+    as_json,
+    covariance,
     covariance_of_robot,
+    floats,
+    header,
     motion_of_robot,
     pose_of,
     product,
+    quaternion,
     quaternion_of,
+    three,
+    xyz,
+    xyzw,
 )
+from morse.rosmsgs.table import Outlet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -32,7 +38,7 @@ if TYPE_CHECKING:
     from morse.core.robot import Robot
     from morse.core.values import Options, RosMessage
     from morse.core.world.body import Mounting
-    from morse.rosmsgs.poses import Motion
+    from morse.rosmsgs.parts import Motion
     from morse.rosmsgs.table import TopicTable
 
 _SINGLE = ((bool, "Bool"), (int, "Int64"), (float, "Float64"), (str, "String"))
@@ -106,7 +112,7 @@ class ComponentMessages:
     Attributes:
         component_instance, component_name: the component and its name.
         kinds: its message kinds.
-        kwargs: its options, see `morse.rosmsgs.options.MESSAGE_OPTIONS`.
+        kwargs: its options, see `morse.rosmsgs.names.MESSAGE_OPTIONS`.
         robot: the robot of the component.
     """
 

@@ -9,7 +9,7 @@ from morse.core.parts.moving_parts import FIXED
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotations import turn
 from morse.rosmsgs.names import relative_name
-from morse.rosmsgs.poses import between, pose_of, product
+from morse.rosmsgs.parts import between, pose_of, product
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from morse.core.values import RosMessage
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
 
 _RELIABILITY = {"reliable": True, "best_effort": False}
 _DURABILITY = {"volatile": False, "transient_local": True}

@@ -1,14 +1,30 @@
-"""``JointTrajectory`` and the goal of ``FollowJointTrajectory`` as the argument of the service ``trajectory``."""
+"""Trajectories of joints: ``JointTrajectory``, and the action ``control_msgs/FollowJointTrajectory`` of armatures.
+
+Both become the argument of the service ``trajectory``. The action is that of a joint trajectory controller: goals that
+do not fit the joints are rejected, a new goal preempts the active one, and joints that a goal does not name keep their
+setpoints.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.status import SUCCESS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from morse.core.kinds import BoundKind
+    from morse.core.request_manager import Outcome
     from morse.core.values import RosMessage
+    from morse.rosmsgs.topics.backend import RosObject
+
+logger = logging.getLogger(__name__)
+
+#: name of the action below the name of the armature, and of the service of the armature that serves it
+TRAJECTORY_ACTION, TRAJECTORY_SERVICE = "follow_joint_trajectory", "trajectory"
 
 _SECOND = 1e9
 _QUANTITIES = ("positions", "velocities", "accelerations")
@@ -81,3 +97,45 @@ def _point(point: RosMessage, count: int) -> RosMessage:
             raise ValueError(f"a point has {len(values)} {quantity} for {count} joint_names")
         result[quantity] = [float(value) for value in values]
     return result
+
+
+class TrajectoryGoals:
+    """The goals and results of the action of one armature, for action servers of ROS 1 and ROS 2.
+
+    Attributes:
+        armature: a component with the methods ``plan`` and ``trajectory``.
+        plain: a message as a dictionary with the names of ROS 2.
+        result_class: class of the results.
+    """
+
+    armature: Any
+    plain: Callable[[RosObject], RosMessage]
+    result_class: type[Any]
+
+    def arguments(self, goal: RosObject) -> list[Any]:
+        """See `ActionServer.arguments`.
+
+        Raises:
+            ValueError: the goal does not fit itself.
+        """
+        return [goal_of(self.plain(goal))]
+
+    def accepts(self, goal: RosObject) -> bool:
+        """See `ActionServer.accepts`."""
+        try:
+            self.armature.plan(*self.arguments(goal))
+        except (ValueError, MorseRPCInvokationError) as error:
+            logger.warning("a trajectory for %s was rejected: %s", self.armature.name(), error)
+            return False
+        return True
+
+    def result(self, outcome: Outcome, *, is_canceled: bool) -> RosObject:
+        """See `ActionServer.result`."""
+        state, text = outcome
+        result: RosObject = self.result_class()
+        if state == SUCCESS or is_canceled:
+            return result
+        code, _, _ = str(text).partition(":")
+        result.error_code = getattr(result, code, result.INVALID_GOAL)
+        result.error_string = str(text or "another command has taken over the joints")
+        return result

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from morse.helpers.transformation import Transformation3d
-from morse.rosmsgs.poses import product
+from morse.rosmsgs.parts import product
 from morse.scene.shapes import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:

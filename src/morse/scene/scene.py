@@ -57,7 +57,6 @@ class Scene:
     simulation_managers: list[str] = field(default_factory=list)
     interfaces: list[str] = field(default_factory=list)
     log_levels: dict[str, str] = field(default_factory=dict)
-    multinode: dict[str, object] | None = None
     resource_paths: list[str] = field(default_factory=list)
     nearby_paths: list[str] = field(default_factory=list)
     project: AbstractContextManager[object] = field(default_factory=nullcontext)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NoReturn, cast
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
-from morse.core.node_name import node_name
 from morse.core.parts.overwritten import uncover
 from morse.core.request_manager import MorseServices
 from morse.middleware.registry import needs_network
@@ -140,20 +139,6 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
         finally:
             # also if a stream is refused: the streams that are open are then closed
             self.observers[:0] = cast("Iterable[Observer]", self.context.stream_managers.values())
-        self._join_nodes()
-
-    def _join_nodes(self) -> None:
-        """Connect to the other nodes of a simulation that is distributed over several."""
-        if self.scene.multinode is None or self.context.network is None:
-            return
-        from morse.middleware.multinode.node import Node
-
-        node = Node(self.context, self.scene.multinode, self.options.node_name or node_name(), self._move_robot)
-        self.observers.insert(0, node)
-
-    def _move_robot(self, name: str, pose: Sequence[Sequence[float]]) -> None:
-        # as a service, because services are inputs that recordings contain
-        self.rpc("simulation", "set_object_position", name, *map(list, pose))
 
     def _make_components(self) -> None:
         for table in (self.context.robots, self.context.external_robots, self.context.components):

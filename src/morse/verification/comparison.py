@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from morse.recording.mcap.records import Message
     from morse.recording.recording import Recording
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
 
 #: the largest difference, relative to numbers above 1, that counts as rounding: contacts enlarge a last bit
 _ROUNDING = 1e-6

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
 
 
 class DeskPublisher(Publisher):

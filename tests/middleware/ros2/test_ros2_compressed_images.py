@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from effort import examples
-from morse.rosmsgs.kinds.compression import compressed_outlet
+from morse.rosmsgs.kinds.vision import compressed_outlet
 
 if TYPE_CHECKING:
     from collections.abc import Callable

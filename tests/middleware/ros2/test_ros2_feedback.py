@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import morse
-from morse.middleware.ros2.feedback import Feedback
+from morse.rosmsgs.actions import Feedback
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from morse.middleware import registry
-from morse.rosmsgs.kinds.image_forms import form_of
+from morse.rosmsgs.kinds.vision import form_of
 from morse.sensors.kinect import Kinect
 from morse.sensors.stereo_unit import StereoUnit
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from desk import Desk
 
-    from morse.rosmsgs.kinds.image_forms import Form
+    from morse.rosmsgs.kinds.vision import Form
 
 SMALL = "cam_width=4, cam_height=2"
 

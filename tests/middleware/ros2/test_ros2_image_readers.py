@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, environment, need
 
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -14,7 +14,7 @@ from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.kinds import Ros2Topics
 
 if TYPE_CHECKING:
-    from morse.rosmsgs.outlets import Outlet
+    from morse.rosmsgs.table import Outlet
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)

@@ -10,7 +10,7 @@ import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, has, lent, need, talk
 
 import morse
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.remap import Remaps
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable

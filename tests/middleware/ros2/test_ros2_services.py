@@ -12,7 +12,7 @@ from other_side import DOMAIN, PYTHON, has, lent, need, talk
 
 import morse
 from morse.core.services import service
-from morse.middleware.ros2.calls import SET_BOOL, SET_PARAMETERS, TRIGGER, Call
+from morse.rosmsgs.services import SET_BOOL, SET_PARAMETERS, TRIGGER, Call
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -40,8 +40,7 @@ class EnvironmentDescription:
     _simulation_managers: list[str]
     _default_interfaces: list[str]
     _manager_options: dict[str, dict[str, object]]
-    _multinode: dict[str, object] | None
-    _distribution: dict[str, list[str]]
+    _distribution: dict[str, list[str]] | None
     _distribution_where: SourceLine | None
     _log_levels: dict[str, str]
 

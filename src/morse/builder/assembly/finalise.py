@@ -113,7 +113,7 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
             if isinstance(part, Robot):
                 connect(part, interface)
     settings = environment.settings
-    if environment._multinode is not None:
+    if environment._distribution is not None:
         robots = [part for part in workspace.components if isinstance(part, Robot)]
         with about(environment._distribution_where):
             distribute(robots, environment._distribution)
@@ -144,7 +144,6 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
         simulation_managers=environment._simulation_managers,
         interfaces=list(environment._default_interfaces),
         log_levels=environment._log_levels,
-        multinode=environment._multinode,
     )
 
 

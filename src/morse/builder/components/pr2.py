@@ -116,8 +116,8 @@ class BarePR2(GroundRobot):
 
 
 def _joint_options(middleware: str, options: Options) -> Options:
-    """Return the options of the stream of all joints; on ROS 1, it has a topic that is not one of the robot."""
-    return {"topic": "/joint_states", **options} if middleware == "ros" else options
+    """Return the options of the stream of all joints; in 1.4, its topic was not one of the robot."""
+    return {"topic": "/joint_states", **options} if registry.middleware(middleware).takes_old_names else options
 
 
 class BasePR2(BarePR2):

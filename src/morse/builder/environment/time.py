@@ -228,7 +228,7 @@ class TimeMethods(EnvironmentDescription):
         """Distribute the simulation over several nodes, which all run this scene.
 
         Each node, ``morse run --name NODE``, simulates its robots with their components, and shows the others where the
-        server says that they are. The server is the program ``multinode_server``.
+        server says that they are. The server is a program of its own (docs: several nodes).
 
         Args:
             protocol: ``socket``; ``hla`` of MORSE 1.4 is not available.
@@ -238,16 +238,21 @@ class TimeMethods(EnvironmentDescription):
                 all robots of its script, and sends their poses to the server.
         """
         what = "env.configure_multinode({})"
-        if checks.choice(protocol, _PROTOCOLS, what.format("protocol")) != "socket":
-            raise MorseMultinodeError(
-                f"env.configure_multinode(protocol={protocol!r}): no run-time infrastructure of HLA with "
-                "Python bindings is distributed; use protocol='socket'"
+        checks.choice(protocol, _PROTOCOLS, what.format("protocol"))
+        middleware = registry.middleware_of_nodes(protocol)
+        if middleware is None:
+            reason = (
+                "no installed middleware exchanges poses between simulations"
+                if registry.middleware_of_nodes("socket") is None
+                else "no run-time infrastructure of HLA with Python bindings is distributed; use protocol='socket'"
             )
+            raise MorseMultinodeError(f"env.configure_multinode(protocol={protocol!r}): {reason}")
         # 1.4 documents the port as a text
         port = int(server_port) if isinstance(server_port, str) and server_port.isdecimal() else server_port
         number = checks.integer(port, what.format("server_port"), minimum=1)
         if number > 65535:
             raise ValueError(f"{what.format('server_port')} takes a number from 1 to 65535, got {number}")
+        address = checks.text(server_address, what.format("server_address"))
         shares: dict[str, list[str]] = {}
         for node, robots in dict(distribution or {}).items():
             robots = checks.names(robots, what.format("distribution"))
@@ -255,12 +260,7 @@ class TimeMethods(EnvironmentDescription):
             node = str(node) if isinstance(node, int) else node
             shares[checks.text(node, what.format("distribution"))] = robots
         self._distribution, self._distribution_where = shares, frames.source_line()
-        self._multinode = {
-            "protocol": protocol,
-            "server_address": checks.text(server_address, what.format("server_address")),
-            "server_port": number,
-            "distribution": shares,
-        }
+        self.configure_stream_manager(middleware.name, server_address=address, server_port=number)
 
     def set_log_level(self, component: str, level: str) -> None:
         """Set the log level of ``morse.<component>``: ``DEBUG``, ``INFO``, ``WARNING``, ``ERROR`` or ``CRITICAL``."""
@@ -276,7 +276,6 @@ class TimeMethods(EnvironmentDescription):
         self._simulation_managers = [registry.request_manager("socket")]
         self._default_interfaces = []
         self._manager_options = {}
-        self._multinode = None
-        self._distribution = {}
+        self._distribution = None
         self._distribution_where = None
         self._log_levels = {}

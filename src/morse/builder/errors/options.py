@@ -24,10 +24,6 @@ logger = logging.getLogger(__name__)
 _OF_SOME_MIDDLEWARE = ("topic", "frame_id", "parent_frame_id", "child_frame_id", "device")
 
 
-#: the names of topics in files of robots are those of ROS
-_OF_ROS = "morse.middleware.ros"
-
-
 def stream_options(manager: str, values: Mapping[str, object]) -> Options:
     """The options of a stream.
 
@@ -55,10 +51,10 @@ def with_file_options(
     manager: str, values: Mapping[str, object], of_file: Mapping[str, object]
 ) -> Mapping[str, object]:
     """Add the options of topics that the file of a robot sets to those of the script, which come first."""
-    if not of_file or not manager.startswith(_OF_ROS):
+    middleware = registry.middleware_of_stream_manager(manager) if of_file else None
+    if middleware is None or not middleware.names_topics_as_ros:
         return values
-    middleware = registry.middleware_of_stream_manager(manager)
-    options = {} if middleware is None else middleware.stream_options or {}
+    options = middleware.stream_options or {}
     return {**{name: value for name, value in of_file.items() if name in options}, **values}
 
 

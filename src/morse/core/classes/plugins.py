@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 import sys
 from functools import lru_cache
 from pathlib import Path
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _SUFFIXES = (".dist-info", ".egg-info")
+_NOTHING: tuple[str, tuple[EntryPoint, ...]] = ("", ())
 
 
 def entry_points(group: str) -> tuple[EntryPoint, ...]:
@@ -34,33 +36,48 @@ def entry_points(group: str) -> tuple[EntryPoint, ...]:
     Args:
         group: name of the group; it has to begin with ``morse.``.
     """
-    own = [point for entry in dict.fromkeys(sys.path) for point in _of_project(Path(entry)) if point.group == group]
-    points = dict.fromkeys((*own, *_found(group, tuple(sys.path))))
+    projects = [_of_project(Path(entry)) for entry in dict.fromkeys(sys.path)]
+    own = [point for _, points in projects for point in points if point.group == group]
+    names = {name for name, _ in projects if name}
+    # what was installed of a project that runs from its folder may be older than its pyproject.toml
+    others = [point for point in _found(group, tuple(sys.path)) if _distribution(point) not in names]
+    points = dict.fromkeys((*own, *others))
     return tuple(sorted(points, key=lambda point: (point.name, point.value)))
 
 
-def _of_project(source: Path) -> tuple[EntryPoint, ...]:
-    """The entry points of a project with this directory of sources."""
+def _distribution(point: EntryPoint) -> str:
+    """The name of the installed package of an entry point; empty if it is unknown."""
+    return "" if point.dist is None else _normal(point.dist.name)
+
+
+def _normal(name: str) -> str:
+    """The name of a package as indexes compare it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _of_project(source: Path) -> tuple[str, tuple[EntryPoint, ...]]:
+    """The name and the entry points of a project with this directory of sources."""
     file = source.parent / "pyproject.toml"
     if source.name != "src":
-        return ()
+        return _NOTHING
     try:
         return _of_file(file, file.stat().st_mtime_ns)
     except OSError:
-        return ()
+        return _NOTHING
 
 
 @lru_cache(maxsize=32)
-def _of_file(file: Path, _changed: int) -> tuple[EntryPoint, ...]:
+def _of_file(file: Path, _changed: int) -> tuple[str, tuple[EntryPoint, ...]]:
     text = read_regular(file)
     if b"morse." not in text:
-        return ()
+        return _NOTHING
     import tomllib
     from importlib.metadata import EntryPoint
 
     try:
-        table = tomllib.loads(text.decode("utf-8")).get("project", {}).get("entry-points", {})
-        return tuple(
+        project = tomllib.loads(text.decode("utf-8")).get("project", {})
+        table = project.get("entry-points", {})
+        return _normal(str(project.get("name", ""))), tuple(
             EntryPoint(str(name), str(value), group)
             for group, points in table.items()
             if group.startswith("morse.")
@@ -68,7 +85,7 @@ def _of_file(file: Path, _changed: int) -> tuple[EntryPoint, ...]:
         )
     except (ValueError, AttributeError) as error:
         logger.warning("the entry points in %s are left out: %s", file, error, extra=OF_MACHINE)
-        return ()
+        return _NOTHING
 
 
 @lru_cache(maxsize=32)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.middleware.foxglove import MANAGER_OPTIONS
 from morse.middleware.foxglove.hub import FoxgloveHub
-from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
 from morse.middleware.rosbridge import json_form
 from morse.middleware.web.datastream import WebTopicManager
 from morse.middleware.web.topics import WebTopics
@@ -28,7 +28,7 @@ class FoxgloveTopics(WebTopics):
 class FoxgloveDatastreamManager(WebTopicManager):
     """The topics, messages and frames of ROS 2, for Foxglove.
 
-    Options of ``env.configure_stream_manager('foxglove', ...)`` are in `morse.middleware.foxglove.mapping`.
+    Options of ``env.configure_stream_manager('foxglove', ...)`` are in `morse.middleware.foxglove`.
     """
 
     classpath = "morse.middleware.foxglove.datastream.FoxgloveDatastreamManager"

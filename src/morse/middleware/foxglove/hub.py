@@ -6,9 +6,8 @@ import itertools
 from typing import TYPE_CHECKING
 
 from morse.core.services import signature_of
-from morse.middleware.foxglove import graph
+from morse.middleware.foxglove import MANAGER_OPTIONS, graph
 from morse.middleware.foxglove.client import FoxgloveClient
-from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
 from morse.middleware.web.hub import Hub
 
 if TYPE_CHECKING:

@@ -6,13 +6,14 @@ import contextlib
 import logging
 import ssl
 import threading
+import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.mqtt import PORT, TLS_PORT
 from morse.middleware.mqtt.limits import LimitedConnections
-from morse.middleware.mqtt.mapping import PORT, TLS_PORT
 from morse.system.extras import install
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Broker:
     """Sends and receives in its own thread; no call waits for the broker.
 
     Args:
-        options: see `morse.middleware.mqtt.mapping.MANAGER_OPTIONS`.
+        options: see `morse.middleware.mqtt.MANAGER_OPTIONS`.
         arrivals: the share of the time for what the broker sends.
 
     Attributes:
@@ -58,8 +59,7 @@ class Broker:
         self._takers: dict[str, tuple[int, Callable[[bytes], object]]] = {}
         self._pending: deque[tuple[Any, int]] = deque()
         self._pending_size = 0
-        self._is_new = self._has_answered = self._has_asked = False
-        self._closed = threading.Event()
+        self._is_new = self._has_answered = self._is_closed = self._has_asked = False
         self._prefix = options["prefix"]
         self._refusal = ""
         self._complaints = Complaints(logger)
@@ -133,29 +133,23 @@ class Broker:
             farewell = self._client.publish(self._status, b"offline", qos=1, retain=True)
             with contextlib.suppress(RuntimeError, ValueError):  # the broker may have disconnected in the meantime
                 farewell.wait_for_publish(1.0)
-        self._closed.set()
+        self._is_closed = True
         self._client.disconnect()
         self._thread.join(_FAREWELL)
 
     # -- in the thread of the connection -----------------------------------------------------
 
     def _serve(self) -> None:
-        while True:
+        while not self._is_closed:
             try:
                 self._client.loop_forever(retry_first_connection=True)
                 return
             except Exception as error:  # paho-mqtt raises several errors for packets that are none
                 self._refuse(f"a packet cannot be read ({error})")
             self._is_gone(self._refusal)
-            connection = self._client.socket()
-            if connection is not None:
-                connection.close()
-            if self._closed.wait(_FIRST_PAUSE):
-                return
+            time.sleep(_FIRST_PAUSE)
             with contextlib.suppress(OSError):  # it tries again in its loop
                 self._client.reconnect()
-            if self._closed.is_set():  # meanwhile; the loop sends this and returns
-                self._client.disconnect()
 
     def _refuse(self, reason: str) -> None:
         """Note why the present connection is ended."""

@@ -11,8 +11,8 @@ import numpy as np
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps
+from morse.middleware.mqtt import MANAGER_OPTIONS
 from morse.middleware.mqtt.broker import Broker
-from morse.middleware.mqtt.mapping import MANAGER_OPTIONS
 from morse.wire.encoding import from_json, plain
 
 if TYPE_CHECKING:

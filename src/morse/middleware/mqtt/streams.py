@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
 from morse.core.streams.kind_stream import KindStream
-from morse.middleware.mqtt.mapping import STREAM_OPTIONS
+from morse.middleware.mqtt import STREAM_OPTIONS
 from morse.wire.inbox import Inbox
 
 if TYPE_CHECKING:

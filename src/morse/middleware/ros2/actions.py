@@ -5,19 +5,20 @@ Source: design.ros2.org/articles/actions.html. Messages are those of the declare
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from morse.core.clients.budget import ENTRY, Budget
 from morse.core.status import PREEMPTED, SUCCESS
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
+from morse.rosmsgs.trajectories import TrajectoryGoals
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
     from morse.core.values import Value
-    from morse.rosmsgs.objects import RosClass, RosObject
-    from morse.rosmsgs.topics.backend import Backend
+    from morse.rosmsgs.actions import Progress
+    from morse.rosmsgs.topics.backend import Backend, RosClass, RosObject
 
 #: constants of action_msgs/GoalStatus
 _UNKNOWN, _EXECUTING, _SUCCEEDED, _CANCELED, _ABORTED = 0, 2, 4, 5, 6
@@ -27,16 +28,6 @@ _NONE, _REJECTED, _UNKNOWN_GOAL = 0, 1, 2
 _KEPT = 64
 _EACH_TICK = 16
 _SECOND = 10**9
-
-
-class Progress(Protocol):
-    """Makes the feedback of running goals."""
-
-    def is_due(self, stamp: int) -> bool:
-        """Whether goals should be told at a simulated time, ns; True once in each period."""
-
-    def message(self, begun: int, stamp: int) -> RosObject | None:
-        """The feedback of a goal that was accepted at a simulated time, ns; None if there is nothing to tell."""
 
 
 class _Goal:
@@ -197,3 +188,21 @@ class ActionServer:
             one.goal_info, one.status = self._info_of(goal), goal.status
             status_array.status_list.append(one)
         self._status.publish(status_array)
+
+
+#: installs the class of the action of armatures
+INSTALL = "sudo apt install ros-$ROS_DISTRO-control-msgs"
+
+
+def trajectory_action() -> RosClass | None:
+    """The class ``control_msgs/FollowJointTrajectory``; None if its package is not installed."""
+    try:
+        from control_msgs.action import FollowJointTrajectory
+    except ImportError:
+        return None
+    action: RosClass = FollowJointTrajectory
+    return action
+
+
+class TrajectoryActionServer(TrajectoryGoals, ActionServer):
+    """Serves the action of one armature."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
+from morse.middleware.ros2 import MANAGER_OPTIONS, NODE
 from morse.middleware.ros2.diagnostics import Diagnostics
 from morse.middleware.ros2.domain import join
-from morse.middleware.ros2.mapping import MANAGER_OPTIONS, NODE
-from morse.rosmsgs.options import ROS2_MANAGER
+from morse.rosmsgs.names import ROS2_MANAGER
 from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _LOOK = 30
 class Ros2DatastreamManager(TopicManager):
     """Topics of ROS 2, with simulated time and the tree of frames.
 
-    Options of ``env.configure_stream_manager('ros2', ...)`` are in `morse.middleware.ros2.mapping`.
+    Options of ``env.configure_stream_manager('ros2', ...)`` are in `morse.middleware.ros2`.
     """
 
     classpath = ROS2_MANAGER

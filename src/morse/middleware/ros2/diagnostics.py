@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.rosmsgs.names import robot_of
 from morse.rosmsgs.parts import header_at
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,8 +8,8 @@ from weakref import WeakKeyDictionary
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.validation.options import checked_options, with_defaults
+from morse.middleware.ros2 import LAST_DOMAIN, MANAGER_OPTIONS, MIDDLEWARE
 from morse.middleware.ros2.backends.choice import make_backend
-from morse.middleware.ros2.mapping import LAST_DOMAIN, MANAGER_OPTIONS, MIDDLEWARE
 
 if TYPE_CHECKING:
     from morse.core.context import Context

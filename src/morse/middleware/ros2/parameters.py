@@ -13,10 +13,10 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.validation import checked_property
 from morse.core.validation.errors import PropertyError
-from morse.middleware.ros2.calls import VALUES
-from morse.middleware.ros2.mapping import NODE
+from morse.middleware.ros2 import NODE
 from morse.middleware.ros2.served import Served
-from morse.rosmsgs.json_text import as_json, from_json
+from morse.rosmsgs.parts import as_json, from_json
+from morse.rosmsgs.services import VALUES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -9,18 +9,17 @@ from morse.core.calls.answered_requests import AnsweredRequests
 from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError
 from morse.core.status import FAILED, SUCCESS
-from morse.middleware.ros2 import simulation_steps
-from morse.middleware.ros2.actions import ActionServer
-from morse.middleware.ros2.calls import Call
+from morse.middleware.ros2 import INSTALL_ROS, simulation_steps
+from morse.middleware.ros2.actions import INSTALL, ActionServer, TrajectoryActionServer, trajectory_action
 from morse.middleware.ros2.domain import join, options_of
-from morse.middleware.ros2.feedback import Feedback
-from morse.middleware.ros2.mapping import INSTALL_ROS
 from morse.middleware.ros2.parameters import Parameters
 from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
-from morse.middleware.ros2.trajectory_action import INSTALL, NAME, SERVICE, TrajectoryActionServer, action_type
+from morse.rosmsgs.actions import Feedback
 from morse.rosmsgs.cdr import CdrError
 from morse.rosmsgs.names import Names, cleaned
+from morse.rosmsgs.services import Call
 from morse.rosmsgs.topics.backend import announce
+from morse.rosmsgs.trajectories import TRAJECTORY_ACTION, TRAJECTORY_SERVICE
 
 if TYPE_CHECKING:
     import uuid
@@ -46,7 +45,7 @@ class _Offer(NamedTuple):
 class Ros2RequestManager(AnsweredRequests):
     """Services of components as services of ROS 2, below the topics of the component.
 
-    They need a backend with services: rclpy. Types are those of `morse.middleware.ros2.calls`. The services of the
+    They need a backend with services: rclpy. Types are those of `morse.rosmsgs.services`. The services of the
     simulation are below ``/simulation`` and ``/time``, and available as `simulation_interfaces` as far as possible.
     """
 
@@ -110,7 +109,7 @@ class Ros2RequestManager(AnsweredRequests):
         super()._register(component, callback, name, is_async=is_async)
         if (component, name) not in self._services or self._backend is None:
             return
-        if name == SERVICE and hasattr(getattr(callback, "__self__", None), "plan"):
+        if name == TRAJECTORY_SERVICE and hasattr(getattr(callback, "__self__", None), "plan"):
             self._offer_trajectories(component, callback, self._backend)
         if self._offer_typed(component, callback, name, self._backend):
             return
@@ -134,18 +133,18 @@ class Ros2RequestManager(AnsweredRequests):
 
     def _offer_trajectories(self, component: str, callback: Callable[..., object], backend: Backend) -> None:
         """Offer the action of an armature that follows trajectories."""
-        key, kind = (component, NAME), action_type()
+        key, kind = (component, TRAJECTORY_ACTION), trajectory_action()
         self._withdraw(key)
         if kind is None:
-            text = f"ros2: there is no action {NAME}, because control_msgs is not installed: {INSTALL}"
-            self._complaints.log(logging.INFO, NAME, text)
+            text = f"ros2: there is no action {TRAJECTORY_ACTION}, because control_msgs is not installed: {INSTALL}"
+            self._complaints.log(logging.INFO, TRAJECTORY_ACTION, text)
             return
 
         def begin(arguments: list[Value], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
-            return self.call(component, SERVICE, arguments, on_end)
+            return self.call(component, TRAJECTORY_SERVICE, arguments, on_end)
 
         server = TrajectoryActionServer(
-            backend, f"{self._base(component)}/{NAME}", kind, begin, self.abort_request,
+            backend, f"{self._base(component)}/{TRAJECTORY_ACTION}", kind, begin, self.abort_request,
             _feedback_of(callback, kind, backend),
         )  # fmt: skip
         server.armature = callback.__self__  # type: ignore[attr-defined]
@@ -187,7 +186,7 @@ class Ros2RequestManager(AnsweredRequests):
 
     def withdrawn(self, component_name: str, services: Set[str]) -> None:
         """See `RequestManager.withdrawn`."""
-        for name in [*services, *([NAME] if SERVICE in services else [])]:
+        for name in [*services, *([TRAJECTORY_ACTION] if TRAJECTORY_SERVICE in services else [])]:
             key = component_name, name
             if key in self._offers:
                 self._offers.pop(key).server.close()

@@ -18,12 +18,11 @@ from morse.core.exceptions import MorseBuilderError
 from morse.core.validation.names import check_name, word_of
 from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
+from morse.middleware.ros2 import NODE
 from morse.middleware.ros2.entity_bounds import HULL, bounds, box_of, mistake, overlap
-from morse.middleware.ros2.mapping import NODE
 from morse.middleware.ros2.served import Served
 from morse.middleware.ros2.simulation_steps import action_type
-from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
-from morse.rosmsgs.poses import pose_of, quaternion_of
+from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, pose_of, quaternion, quaternion_of, xyz
 from morse.system.free_names import free_name
 
 if TYPE_CHECKING:

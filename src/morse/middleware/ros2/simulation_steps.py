@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.status import FAILED, SUCCESS
+from morse.middleware.ros2 import NODE
 from morse.middleware.ros2.actions import ActionServer
-from morse.middleware.ros2.feedback import PERIOD
-from morse.middleware.ros2.mapping import NODE
+from morse.rosmsgs.actions import PERIOD
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.rosmsgs.objects import RosClass, RosObject
-    from morse.rosmsgs.topics.backend import Backend
+    from morse.rosmsgs.topics.backend import Backend, RosClass, RosObject
 
 #: name of the action below the name of the node
 NAME = "simulate_steps"
@@ -106,13 +105,13 @@ class _Progress:
         self.is_running = False
 
     def is_due(self, stamp: int) -> bool:
-        """See `morse.middleware.ros2.feedback.Feedback.is_due`."""
+        """See `morse.rosmsgs.actions.Feedback.is_due`."""
         if 0 <= stamp - self._told < PERIOD:
             return False
         self._told = stamp
         return True
 
     def message(self, begun: int, stamp: int) -> Any:
-        """See `morse.middleware.ros2.feedback.Feedback.message`."""
+        """See `morse.rosmsgs.actions.Feedback.message`."""
         done = max(0, min(self._context.clock.tick - self._first, self._steps))
         return self._make({"completed_steps": done, "remaining_steps": self._steps - done})

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.middleware.rosbridge import json_form
+from morse.middleware.rosbridge import MANAGER_OPTIONS, json_form
 from morse.middleware.rosbridge.hub import RosbridgeHub
-from morse.middleware.rosbridge.mapping import MANAGER_OPTIONS
 from morse.middleware.web.datastream import WebTopicManager
 from morse.middleware.web.topics import WebTopics
 
@@ -25,7 +24,7 @@ class RosbridgeTopics(WebTopics):
 class RosbridgeDatastreamManager(WebTopicManager):
     """The topics, messages and frames of ROS 2, as JSON over WebSocket.
 
-    Options of ``env.configure_stream_manager('rosbridge', ...)`` are in `morse.middleware.rosbridge.mapping`.
+    Options of ``env.configure_stream_manager('rosbridge', ...)`` are in `morse.middleware.rosbridge`.
     """
 
     classpath = "morse.middleware.rosbridge.datastream.RosbridgeDatastreamManager"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.middleware.rosbridge import MANAGER_OPTIONS
 from morse.middleware.rosbridge.client import RosbridgeClient
 from morse.middleware.rosbridge.forms import Forms
-from morse.middleware.rosbridge.mapping import MANAGER_OPTIONS
 from morse.middleware.web.hub import Hub
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from morse.core.mapping import maps
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
 from morse.core.services import service
+from morse.middleware.socket import LAST_PORT, MANAGER_OPTIONS
 from morse.middleware.socket.frame_server import FrameServer
 from morse.middleware.socket.frames import data_frame, line_frame
-from morse.middleware.socket.mapping import LAST_PORT, MANAGER_OPTIONS
 from morse.middleware.socket.stream_client import StreamServer
 from morse.middleware.socket.streams import SocketStream
 from morse.middleware.socket.time_sync import TimeSync

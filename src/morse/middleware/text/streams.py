@@ -6,7 +6,7 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING, Any
 
 from morse.core.streams.kind_stream import KindStream
-from morse.middleware.text.mapping import STREAM_OPTIONS
+from morse.middleware.text import STREAM_OPTIONS
 from morse.wire.encoding import written
 
 if TYPE_CHECKING:

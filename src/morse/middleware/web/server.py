@@ -53,7 +53,7 @@ class WebServer(Generic[_C]):
     Args:
         context: the simulation.
         name: its name in messages.
-        options: see `morse.middleware.web.options.server_options`.
+        options: see `morse.middleware.web.server_options`.
         make: creates the client of a connection.
         subprotocols: a client has to support one of them; empty for none.
 

@@ -13,7 +13,7 @@ from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from morse.core.context import Context
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
 
 logger = logging.getLogger(__name__)
 

@@ -16,6 +16,7 @@ from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.state import StateError
 from morse.helpers.geodesy import angle_against_north
+from morse.plugins.mavlink import MANAGER_OPTIONS
 from morse.plugins.mavlink.autopilot.pilot import MESSAGES, Autopilot
 from morse.plugins.mavlink.autopilot.place import Place
 from morse.plugins.mavlink.autopilot.saved import checked
@@ -26,7 +27,6 @@ from morse.plugins.mavlink.framing import Framer
 from morse.plugins.mavlink.intake import Intake
 from morse.plugins.mavlink.links import open_link
 from morse.plugins.mavlink.loop import Loop
-from morse.plugins.mavlink.mapping import MANAGER_OPTIONS
 from morse.plugins.mavlink.telemetry import Telemetry
 from morse.plugins.mavlink.vehicle import Vehicle
 from morse.system.extras import install
@@ -54,7 +54,7 @@ _MOST_FRAMERS = 16
 class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     """Each robot is a MAVLink system with an autopilot, unless an autopilot is in the loop.
 
-    Options of ``env.configure_stream_manager('mavlink', ...)`` are in `morse.plugins.mavlink.mapping`.
+    Options of ``env.configure_stream_manager('mavlink', ...)`` are in `morse.plugins.mavlink`.
 
     Attributes:
         axes: conversions of the frames ``world``, ``nwu``, ``enu`` and ``ned``.

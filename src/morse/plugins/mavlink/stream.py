@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.streams.kind_stream import KindStream
-from morse.plugins.mavlink.mapping import STREAM_OPTIONS
+from morse.plugins.mavlink import STREAM_OPTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -19,7 +19,7 @@ class Database:
     """Sends and receives in its own thread; no call waits for the database.
 
     Args:
-        options: see `morse.plugins.moos.mapping.MANAGER_OPTIONS`.
+        options: see `morse.plugins.moos.MANAGER_OPTIONS`.
 
     Raises:
         MorseMiddlewareError: pymoos2 is not installed.

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.datastream import DatastreamManager
 from morse.core.mapping import maps
+from morse.plugins.moos import MANAGER_OPTIONS
 from morse.plugins.moos.database import Database
-from morse.plugins.moos.mapping import MANAGER_OPTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

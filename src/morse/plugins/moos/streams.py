@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
 from morse.core.streams.kind_stream import KindStream
-from morse.plugins.moos.mapping import STREAM_OPTIONS
+from morse.plugins.moos import STREAM_OPTIONS
 from morse.plugins.moos.variables import commands_of, constants_of, form_of
 from morse.wire.encoding import from_json
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.datastream import DatastreamManager
 from morse.core.mapping import maps
+from morse.plugins.yarp import MANAGER_OPTIONS
 from morse.plugins.yarp.bottle import as_dict, encode
 from morse.plugins.yarp.images import ENCODINGS, encode_image
-from morse.plugins.yarp.mapping import MANAGER_OPTIONS
 from morse.plugins.yarp.ports import ports_of
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.mapping import maps
+from morse.plugins.yarp import JSON_STREAM_MANAGER
 from morse.plugins.yarp.datastream import YarpDatastreamManager, bottle
-from morse.plugins.yarp.mapping import JSON_STREAM_MANAGER
 from morse.plugins.yarp.streams import YarpPublisher, YarpReader
 from morse.wire.encoding import from_json, to_json
 

@@ -13,7 +13,7 @@ from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
 from morse.core.validation.options import checked_options, with_defaults
-from morse.plugins.yarp.mapping import JSON_STREAM_MANAGER, MANAGER_OPTIONS, STREAM_MANAGER
+from morse.plugins.yarp import JSON_STREAM_MANAGER, MANAGER_OPTIONS, STREAM_MANAGER
 from morse.plugins.yarp.names import Address, NameServer, is_alive
 from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.streams.kind_stream import KindStream
-from morse.plugins.yarp.mapping import STREAM_OPTIONS
+from morse.plugins.yarp import STREAM_OPTIONS
 from morse.plugins.yarp.waiting import WaitingBottles
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import Value
     from morse.recording.fields.columns import Rows
-    from morse.rosmsgs.outlets import Outlet
+    from morse.rosmsgs.table import Outlet
 
 _WORDS = frozenset((str, bool, int, tuple))
 #: errors of values that do not fit their messages

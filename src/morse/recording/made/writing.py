@@ -11,7 +11,7 @@ import zstandard
 
 from morse.recording.made.packing import Packing, scene_to_bytes
 from morse.rosmsgs.cdr import encode
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import ABSENT, covariance, header, quaternion, xyz
-from morse.rosmsgs.table import TopicTable, topics
+from morse.rosmsgs.table import Inlet, Outlet, TopicTable, topics
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.kinds.turning import quaternion_of
-from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import (
     ABSENT,
     covariance,
@@ -18,7 +17,7 @@ from morse.rosmsgs.parts import (
     xyz,
     xyzw,
 )
-from morse.rosmsgs.table import TopicTable, topics
+from morse.rosmsgs.table import Inlet, Outlet, TopicTable, topics
 
 if TYPE_CHECKING:
     from collections.abc import Callable

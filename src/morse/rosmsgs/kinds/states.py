@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.rosmsgs.json_text import as_json, from_json
-from morse.rosmsgs.outlets import Inlet, Outlet
-from morse.rosmsgs.parts import header, time, xyz
-from morse.rosmsgs.table import TopicTable, topics
+from morse.rosmsgs.parts import as_json, from_json, header, time, xyz
+from morse.rosmsgs.table import Inlet, Outlet, TopicTable, topics
 from morse.rosmsgs.trajectories import service_call
 
 if TYPE_CHECKING:

@@ -1,24 +1,234 @@
-"""Scans, point clouds and images."""
+"""Scans, point clouds, images and recognised objects.
+
+Compressed images are as the plug-ins of image_transport write and read them. Sources: compressed_image_transport and
+compressed_depth_image_transport of ROS 2 Jazzy. Both decode with OpenCV, whose colours are blue, green, red: the word
+``bgr8`` in the format tells the decoder to exchange them.
+"""
 
 from __future__ import annotations
 
+import io
+import struct
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.rosmsgs.kinds.compression import compressed_outlet
-from morse.rosmsgs.kinds.image_forms import encoding_of, form_of
-from morse.rosmsgs.outlets import Inlet, Outlet
-from morse.rosmsgs.parts import header
-from morse.rosmsgs.qos import Qos
-from morse.rosmsgs.table import TopicTable, topics
+from morse.core.exceptions import MorseMiddlewareError
+from morse.mathutils.portable import matmul
+from morse.rosmsgs.parts import as_json, header, quaternion, xyz
+from morse.rosmsgs.table import Inlet, Outlet, Qos, TopicTable, topics
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import RosMessage
-    from morse.rosmsgs.kinds.image_forms import Form
     from morse.rosmsgs.table import Carrier
+
+    #: pixels and their encoding, converted
+    Form = Callable[[Any, str], tuple[Any, str]]
+
+
+#: order of the channels of an encoding, in pixels of red, green, blue, alpha
+_ORDERS = {"rgb8": (0, 1, 2), "rgba8": (0, 1, 2, 3), "bgr8": (2, 1, 0), "bgra8": (2, 1, 0, 3)}
+_COLOURS = ("rgb8", "rgba8")
+#: luma of red, green and blue (ITU-R BT.601)
+_LUMA = (0.299, 0.587, 0.114)
+_MILLIMETRE, _FARTHEST = 1000.0, 65535
+
+
+def form_of(stream: Carrier, bound: BoundKind) -> Form | None:
+    """The conversion of the images of a stream; None for the images as they are.
+
+    Raises:
+        MorseMiddlewareError: the component has no images for an option of the stream.
+    """
+    options = stream.kwargs
+    encoding, depth16 = options.get("encoding"), options.get("depth16", False)
+    if not encoding and not depth16:
+        return None
+    own, unit = _own(bound)
+    if encoding and own not in _COLOURS:
+        raise MorseMiddlewareError(
+            f"{stream.component_name}: encoding='{encoding}' converts colours, and these images are {own}"
+            + ("; for whole millimetres, set depth16=True" if own == "32FC1" and unit == "m" else "")
+        )
+    if depth16 and (own != "32FC1" or unit != "m"):
+        raise MorseMiddlewareError(
+            f"{stream.component_name}: depth16=True converts depth in metres, and these images are {own}"
+        )
+    if depth16:
+        return _millimetres
+    return lambda pixels, own: (_coloured(pixels, own, str(encoding)), str(encoding))
+
+
+def encoding_of(stream: Carrier, bound: BoundKind) -> tuple[str, str | None]:
+    """The encoding of the images of a stream after their conversion, and the unit of the component's pixels."""
+    (own, unit), options = _own(bound), stream.kwargs
+    return "16UC1" if options.get("depth16") else str(options.get("encoding") or own), unit
+
+
+def _own(bound: BoundKind) -> tuple[Any, Any]:
+    """The encoding and the unit of the images of a component."""
+    words = {slot.name: source.get(bound.component) for slot, source in bound.sources if slot.name != "pixels"}
+    return words.get("encoding"), words.get("unit")
+
+
+def _millimetres(pixels: Any, _encoding: str) -> tuple[object, str]:
+    """Depth in mm, 0 where it is not known (REP 118)."""
+    depth = np.rint(pixels * _MILLIMETRE)
+    valid = (depth >= 0.0) & (depth <= _FARTHEST)  # false for NaN and infinity
+    return np.where(valid, depth, 0.0).astype(np.uint16), "16UC1"
+
+
+def _coloured(pixels: Any, own: str, encoding: str) -> Any:
+    if encoding == "mono8":
+        return np.rint(matmul(pixels[..., :3], np.array(_LUMA))).astype(np.uint8)
+    order = _ORDERS[encoding]
+    if len(order) > pixels.shape[-1]:
+        opaque = np.full((*pixels.shape[:-1], 1), 255, np.uint8)
+        pixels = np.concatenate([pixels, opaque], axis=-1)
+    return np.ascontiguousarray(pixels[..., list(order)])
+
+
+_TYPE = "sensor_msgs/msg/CompressedImage"
+#: JPEG quality, 0 to 100
+_QUALITY = 85
+#: of PNG, 0 to 9: higher levels take several times as long, and save a few per cent
+_LEVEL = 1
+#: channels that are red, green and blue; one channel is grey
+_CHANNELS = {"rgb8": (0, 1, 2), "rgba8": (0, 1, 2), "bgr8": (2, 1, 0), "bgra8": (2, 1, 0)}
+#: the header of compressed depth: the method (inverse depth), and the numbers a and b
+_DEPTH_HEADER = struct.Struct("<iff")
+_INVERSE_DEPTH = 0
+#: the largest value of a pixel, and that of the farthest depth; 0 is no depth
+_CODE_NEAREST, _CODE_FARTHEST = 65535, 1
+#: ratio of the farthest to the nearest depth, at least and at most
+_RATIOS = (2.0, 1e4)
+
+
+def compressed_outlet(encoding: str, unit: str | None, form: Form | None) -> Outlet | None:
+    """The topic of the compressed images of an encoding; None if image_transport has no compression for it.
+
+    Args:
+        encoding: of the images, after their conversion.
+        unit: of the pixels of the component.
+        form: the conversion; None for the images as they are.
+    """
+    if encoding in _CHANNELS or encoding == "mono8":
+        make, topic = _jpeg, "image/compressed"
+    elif encoding == "16UC1" or (encoding == "32FC1" and unit == "m"):
+        make, topic = _depth, "image/compressedDepth"
+    else:
+        return None
+    return Outlet(_TYPE, partial(make, form=form), topic, or_none=True, takes_long=True)
+
+
+def _jpeg(message: Message, frame: str, form: Form | None) -> RosMessage:
+    pixels, encoding = _converted(message, form)
+    order = _CHANNELS.get(encoding)
+    pixels = np.reshape(pixels, pixels.shape[:2]) if order is None else pixels[..., order]
+    suffix = "" if order is None else "bgr8"
+    data = _file(pixels, "JPEG", quality=_QUALITY)
+    return {"header": header(message, frame), "format": f"{encoding}; jpeg compressed {suffix}", "data": data}
+
+
+def _depth(message: Message, frame: str, form: Form | None) -> RosMessage:
+    pixels, encoding = _converted(message, form)
+    pixels, numbers = np.reshape(pixels, pixels.shape[:2]), (0.0, 0.0)
+    if encoding == "32FC1":
+        pixels, numbers = _inverse(pixels)
+    data = _DEPTH_HEADER.pack(_INVERSE_DEPTH, *numbers) + _file(pixels, "PNG", compress_level=_LEVEL)
+    return {"header": header(message, frame), "format": f"{encoding}; compressedDepth png", "data": data}
+
+
+def _converted(message: Message, form: Form | None) -> tuple[Any, str]:
+    return (message.pixels, message.encoding) if form is None else form(message.pixels, message.encoding)
+
+
+def _inverse(depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], tuple[float, float]]:
+    """Depth as whole numbers a / depth + b, and the numbers a and b; 0 where there is no depth.
+
+    The range of the numbers is that of the depths of the image: decoders read a and b in each message.
+    """
+    valid = np.isfinite(depth) & (depth > 0.0)
+    if not valid.any():
+        return np.zeros(depth.shape, np.uint16), (1.0, 0.0)
+    values = depth[valid].astype(np.float64)
+    low, high = _RATIOS
+    farthest = float(values.max())
+    nearest = min(max(float(values.min()), farthest / high), farthest / low)
+    a = (_CODE_NEAREST - _CODE_FARTHEST) / (1.0 / nearest - 1.0 / farthest)
+    b = _CODE_FARTHEST - a / farthest
+    numbers = np.zeros(depth.shape, np.uint16)
+    numbers[valid] = np.clip(np.rint(a / values + b), _CODE_FARTHEST, _CODE_NEAREST)
+    return numbers, (a, b)
+
+
+def _file(pixels: object, kind: str, **options: int) -> bytes:
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(pixels)).save(file, kind, **options)
+    return file.getvalue()
+
+
+#: constants of visualization_msgs/Marker
+_CUBE, _TEXT, _ADD, _DELETE_ALL = 1, 9, 0, 3
+#: size of an object with unknown size, m
+_SIZE = (0.3, 0.3, 0.3)
+_GREEN = {"r": 0.2, "g": 0.9, "b": 0.3, "a": 0.5}
+_WHITE = {"r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
+
+
+class DetectingKinds(TopicTable):
+    """The kind detections."""
+
+    @topics("detections")
+    def detections(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
+        """Boxes with names, or JSON if the backend does not have vision_msgs; also markers for viewers."""
+        frame = "optical" if getattr(bound.component, "relative", False) else "world"
+        text = Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(list(m.records))})
+        return [
+            Outlet("vision_msgs/msg/Detection3DArray", _detections, frame=frame, instead=text),
+            Outlet("visualization_msgs/msg/MarkerArray", _markers, "markers", frame=frame, or_none=True),
+        ]
+
+
+def _detections(message: Message, frame: str) -> RosMessage:
+    head = header(message, frame)
+    return {"header": head, "detections": [_detection(head, record) for record in message.records]}
+
+
+def _detection(head: RosMessage, record: RosMessage) -> RosMessage:
+    pose = _pose(record)
+    hypothesis = {"class_id": str(record.get("label", "")), "score": float(record.get("score", 1.0))}
+    return {
+        "header": head,
+        "results": [{"hypothesis": hypothesis, "pose": {"pose": pose}}],
+        "bbox": {"center": pose, "size": xyz(record.get("size"))},
+        "id": str(record.get("id", "")),
+    }
+
+
+def _pose(record: RosMessage) -> RosMessage:
+    return {"position": xyz(record.get("position")), "orientation": quaternion(record.get("orientation"))}
+
+
+def _markers(message: Message, frame: str) -> RosMessage:
+    # removes the markers of objects that are no longer visible
+    markers: list[RosMessage] = [{"header": header(message, frame), "action": _DELETE_ALL}]
+    for number, record in enumerate(message.records):
+        size = record.get("size") or _SIZE
+        common = {"header": header(message, frame), "id": number, "action": _ADD, "pose": _pose(record)}
+        markers.append({**common, "ns": "boxes", "type": _CUBE, "scale": xyz(size), "color": _GREEN})
+        text = {"ns": "names", "type": _TEXT, "scale": {"z": 0.2}, "color": _WHITE, "text": str(record.get("id", ""))}
+        markers.append({**common, **text})
+    return {"markers": markers}
+
 
 #: constants of sensor_msgs/PointField
 _UINT16, _UINT32, _FLOAT32 = 4, 6, 7

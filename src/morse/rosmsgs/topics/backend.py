@@ -4,14 +4,34 @@ from __future__ import annotations
 
 import logging
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.rosmsgs import cdr
 
 if TYPE_CHECKING:
     from morse.core.values import RosMessage
-    from morse.rosmsgs.objects import RosObject
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
+
+
+class RosObject(Protocol):
+    """A message, a request or a response of a ROS client library: its fields are attributes."""
+
+    def __getattr__(self, field: str) -> Any:
+        """A field: a number, a string, a list, or another message."""
+
+    def __setattr__(self, field: str, value: object) -> None:
+        """Set a field."""
+
+
+class RosClass(Protocol):
+    """The class of messages, services or actions of a ROS client library."""
+
+    def __call__(self, *values: object, **fields: object) -> Any:
+        """A message; of services and actions, the classes of the parts are attributes."""
+
+    def __getattr__(self, name: str) -> Any:
+        """A constant or a class of it."""
+
 
 logger = logging.getLogger(__name__)
 

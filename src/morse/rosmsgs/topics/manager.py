@@ -16,11 +16,9 @@ from morse.core.mapping import maps
 from morse.core.reports.faults import describe
 from morse.rosmsgs.kinds import Ros2Topics
 from morse.rosmsgs.kinds.states import clock
-from morse.rosmsgs.names import Names, robot_of
-from morse.rosmsgs.options import TOPIC_OPTIONS
-from morse.rosmsgs.outlets import COMMAND
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.names import TOPIC_OPTIONS, Names, robot_of
 from morse.rosmsgs.remap import Remaps
+from morse.rosmsgs.table import COMMAND, Qos
 from morse.rosmsgs.topics.backend import announce
 from morse.rosmsgs.topics.robots import Robots
 from morse.rosmsgs.topics.rosout import LogTopic
@@ -33,8 +31,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import Options, RosMessage
-    from morse.rosmsgs.outlets import Inlet, Outlet
-    from morse.rosmsgs.table import TopicTable
+    from morse.rosmsgs.table import Inlet, Outlet, TopicTable
     from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
     from morse.rosmsgs.topics.stream import TopicStream
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from morse.rosmsgs.moving import joints_of, name_of
 from morse.rosmsgs.parts import time
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 from morse.rosmsgs.urdf import Carried, add_fixed, describe
 
 if TYPE_CHECKING:

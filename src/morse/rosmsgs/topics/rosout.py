@@ -7,7 +7,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.rosmsgs.parts import time
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
     from morse.core.values import RosMessage

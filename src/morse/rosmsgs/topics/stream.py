@@ -17,15 +17,15 @@ from morse.core.streams.kind_stream import KindStream
 from morse.rosmsgs.cdr import CdrError, encode_stamped
 from morse.rosmsgs.component import ComponentMessages, kinds_of
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, fields_of
-from morse.rosmsgs.options import STREAM_OPTIONS
-from morse.rosmsgs.poses import pose_of, product, quaternion_of
+from morse.rosmsgs.names import STREAM_OPTIONS
+from morse.rosmsgs.parts import pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sized
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import RosMessage
-    from morse.rosmsgs.outlets import Inlet, Outlet
+    from morse.rosmsgs.table import Inlet, Outlet
     from morse.rosmsgs.topics.backend import Publisher, Subscription
     from morse.rosmsgs.topics.manager import TopicManager
 

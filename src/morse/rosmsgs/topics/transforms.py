@@ -11,8 +11,7 @@ from morse.helpers.geodesy import LocalPlane, angle_against_north
 from morse.helpers.transformation import Transformation3d
 from morse.rosmsgs.moving import MovingFrame, joints_of, poses_of
 from morse.rosmsgs.names import MAP, OF_WORLD
-from morse.rosmsgs.parts import quaternion, time, xyz
-from morse.rosmsgs.poses import OPTICAL_TURN, between, inverse, pose_of, product, quaternion_of
+from morse.rosmsgs.parts import OPTICAL_TURN, between, inverse, pose_of, product, quaternion, quaternion_of, time, xyz
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.mapping import BACKENDS
+from morse.middleware.ros2 import BACKENDS
 from morse.system.extras import install
 
 if TYPE_CHECKING:

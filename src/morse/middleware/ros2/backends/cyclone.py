@@ -26,11 +26,11 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.ros2 import NODE
 from morse.middleware.ros2.backends.cyclone_graph import GraphNode
 from morse.middleware.ros2.backends.cyclone_types import sample_type
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
-from morse.middleware.ros2.mapping import NODE
-from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.table import Qos
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:

@@ -17,16 +17,16 @@ from rclpy.context import Context
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.ros2 import NODE
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
-from morse.middleware.ros2.mapping import NODE
 from morse.rosmsgs.topics.backend import Backend, Publisher, ServiceServer, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.values import Options, RosMessage
-    from morse.rosmsgs.objects import RosObject
-    from morse.rosmsgs.qos import Qos
+    from morse.rosmsgs.table import Qos
+    from morse.rosmsgs.topics.backend import RosObject
 
 _LOOPBACK = ("", "lo", "127.0.0.1", "localhost")
 #: variables by which the user can set the network range of ROS
