@@ -58,7 +58,8 @@ def write(project: Path, files: dict[str, str]) -> None:
 
 
 def test_there_is_a_chapter_for_each_kind():
-    assert {"new-sensor", "new-actuator", "new-robot", "new-modifier", "new-model-format"} <= set(CHAPTERS)
+    kinds = {"sensor", "actuator", "robot", "modifier", "model-format", "service", "check"}
+    assert {f"new-{kind}" for kind in kinds} <= set(CHAPTERS)
 
 
 @pytest.mark.parametrize("chapter", CHAPTERS)

@@ -181,6 +181,11 @@ def test_doctor_lists_plugins_and_what_each_needs(simulated_packages: Path):
     assert told.stdout.startswith(f"morse {__version__}\n")
 
 
+def test_doctor_lists_the_project_in_this_folder(simulated_packages: Path):
+    done = run("-m", "morse", "doctor", folder=simulated_packages.parent, path=SOURCES)
+    assert "zenoh (middleware, lab.zenoh:MIDDLEWARE): routers of Zenoh\n" in done.stdout
+
+
 @pytest.fixture
 def simulated_packages(tmp_path: Path) -> Path:
     """A project with a middleware that lacks a package, and a reader that cannot be loaded."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.core.classes.plugins import entry_points
@@ -24,6 +25,8 @@ _GROUPS = {
     "morse.modifiers": "modifiers",
     "morse.kinds": "message kinds",
     "morse.assets": "models",
+    "morse.services": "services",
+    "morse.checks": "check of scenes",
 }
 
 
@@ -63,6 +66,9 @@ class Plugin:
 
 def plugins() -> Iterator[Plugin]:
     """All plug-ins, by what they bring."""
+    project = str(Path("src").absolute())
+    if Path("pyproject.toml").is_file() and project not in sys.path:
+        sys.path.append(project)
     for group, brings in _GROUPS.items():
         for point in entry_points(group):
             yield _examined(point, brings)

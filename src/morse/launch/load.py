@@ -291,6 +291,7 @@ def complete(simulation: Simulation) -> None:
     from morse.physics.model.raised_robots import raised
     from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
+    from morse.simulation.scene_checks import log_warnings_of_packages
 
     with scene_warnings(refused=simulation.options.on_warning == "raise") as collected, about(simulation.scene.where):
         simulation.load()
@@ -300,6 +301,7 @@ def complete(simulation: Simulation) -> None:
                 logger.warning("%s", message, extra={"where": where})
         if others:
             logger.info("%s", others)
+        log_warnings_of_packages(simulation.scene)
         refuse(collected.complete())
     if simulation.options.view != "none":
         from morse.viewer.opening import open_view

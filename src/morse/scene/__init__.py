@@ -18,6 +18,7 @@ from morse.scene.mesh import Mesh
 from morse.scene.model import Choice, ModelUse, Role
 from morse.scene.node import Node, NodeKind
 from morse.scene.scene import Scene, Zone
+from morse.scene.scene_warnings import SceneWarning
 from morse.scene.settings import Display, Mist, Settings, TimeStrategies, ViewSettings
 from morse.scene.shapes import CollisionShape, ShapeKind
 
@@ -49,6 +50,7 @@ __all__ = [
     "PhysicsType",
     "Role",
     "Scene",
+    "SceneWarning",
     "Settings",
     "ShapeKind",
     "SourceLine",

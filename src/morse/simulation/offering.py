@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets import search
+from morse.core.abstractobject import AbstractObject
+from morse.core.classes.plugins import entry_points
+from morse.core.reports.faults import ENDINGS, describe
+from morse.core.validation.names import check_name
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
 from morse.services.exchange_services import ExchangeServices
@@ -20,8 +25,12 @@ from morse.simulation.handles.textures import NamedPictures
 from morse.simulation.loader import add_request_manager
 
 if TYPE_CHECKING:
-    from morse.core.abstractobject import AbstractObject
+    from collections.abc import Iterator
+
+    from morse.core.context import Context
     from morse.simulation.running import Running
+
+logger = logging.getLogger(__name__)
 
 SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
 
@@ -49,9 +58,36 @@ def offer_services(simulation: Running) -> None:
         PullServices(context, simulation.before_physics),
         TimeServices(context.clock, simulation.pacer.set_speed),
         CommunicationServices(context),
+        *_of_packages(context),
     ]
     for obj in objects:
         for manager in managers:
             context.services.register_request_manager_mapping(obj.name(), manager)
         context.services.register_object(obj.name(), obj)
         context.service_objects.append(obj)
+
+
+def _of_packages(context: Context) -> Iterator[AbstractObject]:
+    """The objects of installed packages and of the project, whose services are those of the simulation.
+
+    A package names a class, which gets the context, by an entry point::
+
+        [project.entry-points."morse.services"]
+        referee = "my_lab.referee:Referee"
+    """
+    present: list[str] = []
+    for point in entry_points("morse.services"):
+        try:
+            check_name(point.name, present)
+            made = point.load()(context)
+            if not isinstance(made, AbstractObject):
+                raise TypeError(f"it is {made!r:.80}, expected an object of a class derived from AbstractObject")
+            if made.name() != point.name:
+                raise ValueError(f"its name() is {made.name()!r:.80}, expected that of the entry point, '{point.name}'")
+        except ENDINGS:
+            raise
+        except BaseException as error:  # the package is third-party code
+            logger.warning("the services of the package %s are left out: %s", point.value, describe(error))
+            continue
+        present.append(point.name)
+        yield made

@@ -114,7 +114,7 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
             self.context.guard.raises = self.part_failed
         self.population = Population(self)
         self._saving = Saving(self)
-        with acting(self.context):
+        with acting(self.context), scene.project:
             offer_services(self)
 
     def _set_up_profiles(self) -> None:
