@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from morse.assets.body_settings import SETTINGS, settle
 from morse.assets.errors import AssetError
-from morse.assets.rules import SETTINGS, gather_under_root, resolve_auto, settle
+from morse.assets.rules import gather_under_root, resolve_auto
 from morse.scene import BodySettings, Bounds, Library, Mesh, Node, NodeKind, PhysicsType
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import morse
-from morse.assets.blend import read_blend
+from morse.plugins.blend import read_blend
 
 pytestmark = pytest.mark.long
 

@@ -14,8 +14,8 @@ import pytest
 import zstandard
 
 import morse
-from morse.assets.blend import read_blend
 from morse.mathutils import Euler
+from morse.plugins.blend import read_blend
 
 if TYPE_CHECKING:
     from morse.scene import Library, Node

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from morse.assets.blend import read_blend
 from morse.assets.collision import resolve_shapes
 from morse.builder.script import load_scene
 from morse.physics import World
+from morse.plugins.blend import read_blend
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:

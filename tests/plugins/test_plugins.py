@@ -21,6 +21,8 @@ ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "src"
 ROOM = SOURCES / "morse" / "plugins"
 PLUGINS = sorted(path.name for path in ROOM.iterdir() if (path / "__init__.py").is_file())
+#: what the core must not say of plug-ins whose names are also words of the field, such as /opt/ros
+WORDS = {"blend": r"plugins[./]blend|read_blend", "ros": r"(?<!find\()[\"']ros[\"']|plugins\.ros\b"}
 POINTS = {
     name: value
     for points in tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["entry-points"].values()
@@ -66,14 +68,13 @@ def test_the_core_does_not_know_the_names_of_plugins(plugin: str):
     files = [
         path for path in (SOURCES / "morse").rglob("*.py") if ROOM not in path.parents and path.parent.name != "testing"
     ]
-    # a word of the field is no name of a plug-in: /opt/ros, wiki.ros.org, a tag of an SDF file
-    name = r"(?<!find\()[\"']ros[\"']|plugins\.ros\b" if plugin == "ros" else rf"\b{plugin}"
+    word = WORDS.get(plugin, rf"\b{plugin}")
     # a script of 1.4 may name its modules: examples in comments
     found = [
         f"{path.relative_to(ROOT)}: {line.strip()}"
         for path in files
         for line in path.read_text(encoding="utf-8").splitlines()
-        if re.search(name, line) and not line.lstrip().startswith("#") and "data/" not in path.as_posix()
+        if re.search(word, line) and not line.lstrip().startswith("#") and "data/" not in path.as_posix()
     ]
     assert found == []
 
@@ -126,9 +127,12 @@ def run(*words: str, folder: Path, path: Path) -> subprocess.CompletedProcess[st
 
 @pytest.fixture(scope="module")
 def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The sources without the plug-ins, and without their entry points."""
+    """The sources without the plug-ins, but for the reader of the models of MORSE, and without their entry points."""
     place = tmp_path_factory.mktemp("bare")
-    shutil.copytree(SOURCES, place / "src", ignore=shutil.ignore_patterns("plugins", "__pycache__", "data"))
+    shutil.copytree(SOURCES, place / "src", ignore=shutil.ignore_patterns("__pycache__", "data"))
+    for name in PLUGINS:
+        if name != "blend":
+            shutil.rmtree(place / "src" / "morse" / "plugins" / name)
     (place / "src" / "morse" / "data").symlink_to(SOURCES / "morse" / "data")
     return place
 
@@ -159,6 +163,32 @@ def test_without_plugins_the_rest_passes(bare: Path):
     done = run(*words, *(str(ROOT / name) for name in chosen), folder=ROOT, path=bare / "src")
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
     assert " passed" in done.stdout
+
+
+def test_without_the_reader_of_its_own_models_scenes_in_other_formats_run(bare: Path, tmp_path: Path):
+    shutil.copytree(bare / "src", tmp_path / "src", ignore=shutil.ignore_patterns("plugins"), symlinks=True)
+    world = (
+        '<sdf version="1.9"><world name="w"><model name="wall"><static>true</static><link name="l"><collision name="c">'
+    )
+    world += "<geometry><box><size>1 4 2</size></box></geometry></collision></link></model></world></sdf>"
+    (tmp_path / "wall.sdf").write_text(world, encoding="utf-8")
+    program = (
+        "import morse\n"
+        "from morse.builder import *\n"
+        "def scene(world):\n"
+        "    robot = FakeRobot()\n"
+        "    robot.translate(x=-3.0, z=0.5)\n"
+        "    finder = RangeFinder()\n"
+        "    robot.append(finder)\n"
+        "    Environment(world)\n"
+        "with morse.load(lambda: scene('wall.sdf'), sockets=False) as simulation:\n"
+        "    simulation.step()\n"
+        "    print(round(simulation.robot.finder.get()['distance'], 6))\n"
+        "morse.load(lambda: scene(morse.assets.search.MORSE_COMPONENTS + '/environments/empty.blend'))\n"
+    )
+    done = run("-c", program, folder=tmp_path, path=tmp_path / "src")
+    assert done.stdout.strip() == "2.5", done.stderr
+    assert re.search(r"cannot read files of type '.blend'|\(morse.plugins.blend:FORMAT\) cannot be loaded", done.stderr)
 
 
 def test_doctor_lists_plugins_and_what_each_needs(simulated_packages: Path):

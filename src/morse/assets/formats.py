@@ -1,21 +1,44 @@
-"""The kinds of model files that can be read."""
+"""The kinds of model files that can be read.
+
+A package brings a reader by an entry point, whose name is the suffix of the files; it names the function, or a
+`ModelFormat`::
+
+    [project.entry-points."morse.formats"]
+    boxes = "my_lab.boxes:read_boxes"
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
 from morse.core.classes.plugins import entry_points
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
     from pathlib import Path
 
     from morse.scene import Library
 
+
+@dataclass(frozen=True, slots=True)
+class ModelFormat:
+    """A kind of model files.
+
+    Attributes:
+        read: the function that reads a file.
+        object_names: a function that finds the names of the objects of a file faster, for error messages; or None.
+        purpose: what such files are, in a few words, for lists of what is installed.
+    """
+
+    read: Callable[[Path], Library]
+    object_names: Callable[[Path], Iterable[str]] | None = None
+    purpose: str = ""
+
+
 #: suffix to the function that reads such files; it is imported when the first one is read
 _READERS = {
-    ".blend": "morse.assets.blend:read_blend",
     ".dae": "morse.assets.meshfiles:read_meshes",
     ".glb": "morse.assets.meshfiles:read_meshes",
     ".gltf": "morse.assets.meshfiles:read_meshes",
@@ -39,11 +62,8 @@ class UnsupportedFormatError(ValueError):
 
 
 def suffixes() -> tuple[str, ...]:
-    """The suffixes of the files that can be read, the preferred one first.
-
-    Those of installed packages, which the entry points ``morse.formats`` name without a dot, come last.
-    """
-    return tuple(dict.fromkeys((*_READERS, *(f".{point.name.lower()}" for point in entry_points("morse.formats")))))
+    """The suffixes of the files that can be read, the preferred one first: those of packages and plug-ins."""
+    return tuple(dict.fromkeys((*(f".{point.name.lower()}" for point in entry_points("morse.formats")), *_READERS)))
 
 
 def is_model(path: Path) -> bool:
@@ -57,24 +77,30 @@ def reader_of(path: Path) -> Callable[[Path], Library]:
     Raises:
         UnsupportedFormatError: there is no reader for its suffix, or the package that brings the reader is broken.
     """
-    entry = _READERS.get(path.suffix.lower())
-    if entry is None:
-        return _installed_reader(path)
-    module, function = entry.split(":")
-    return cast("Callable[[Path], Library]", getattr(import_module(module), function))
+    return model_format(path).read
 
 
-def _installed_reader(path: Path) -> Callable[[Path], Library]:
+def model_format(path: Path) -> ModelFormat:
+    """The format of a file.
+
+    Raises:
+        UnsupportedFormatError: there is no reader for its suffix, or the package that brings the reader is broken.
+    """
+    suffix = path.suffix.lower()
+    if (entry := _READERS.get(suffix)) is not None:
+        module, function = entry.split(":")
+        return ModelFormat(cast("Callable[[Path], Library]", getattr(import_module(module), function)))
     for point in entry_points("morse.formats"):
-        if f".{point.name.lower()}" == path.suffix.lower():
+        if f".{point.name.lower()}" == suffix:
             try:
-                return cast("Callable[[Path], Library]", point.load())
+                found = point.load()
             except Exception as error:  # the package is third-party code
                 raise UnsupportedFormatError(
                     f"'{path}': the reader of an installed package ({point.value}) cannot be loaded: "
                     f"{type(error).__name__}: {error}"
                 ) from None
+            return found if isinstance(found, ModelFormat) else ModelFormat(found)
     raise UnsupportedFormatError(
         f"'{path}': cannot read files of type '{path.suffix or 'without suffix'}'; "
-        f"supported: {', '.join(suffixes())}. Open it in Blender and save it as .blend"
+        f"supported: {', '.join(suffixes())}. Convert it with the program that has written it"
     )

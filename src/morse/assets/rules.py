@@ -1,6 +1,6 @@
 """Derives physics types for the nodes of a model file.
 
-The settings of an object are combined by `settle`. Without settings, the role of the file determines the type:
+Without settings of its own (`morse.assets.body_settings`), the role of a file determines the type of an object:
 `resolve_auto`.
 """
 
@@ -9,7 +9,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from morse.assets.body_settings import SETTINGS, Settled, settle
 from morse.assets.errors import AssetError
 from morse.assets.poses import attach_in_place, set_free
 from morse.scene import NodeKind, PhysicsType
@@ -80,9 +79,6 @@ def _choose(loose: list[Node], stem: str) -> Node:
         if node.children or has_type or node.kind is NodeKind.EMPTY:
             return node
     return next((node for node in loose if node.mesh is not None), loose[0])
-
-
-__all__ = ["SETTINGS", "Settled", "gather_under_root", "resolve_auto", "settle"]
 
 
 def resolve_auto(roots: Iterable[Node], *, role: Literal["environment", "component", "prop"]) -> None:

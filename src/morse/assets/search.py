@@ -7,13 +7,12 @@ import importlib.util
 import itertools
 import logging
 import os
-import re
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.formats import suffixes
+from morse.assets.formats import is_model, model_format, suffixes
 from morse.core.classes.plugins import entry_points
 from morse.system import OF_MACHINE, variables
 from morse.system.shared_folders import expanded
@@ -34,8 +33,6 @@ MODEL_PATHS = (
 _project_dirs: list[Path] = []
 
 _MAX_ENTRIES = 20_000
-#: the name of an object in a .blend file
-_OBJECT = re.compile(rb"OB([A-Za-z_][\w.-]{0,60})\0")
 
 
 class AssetNotFoundError(FileNotFoundError):
@@ -95,15 +92,13 @@ def worlds_with(name: object) -> str:
 @lru_cache(maxsize=1)
 def _worlds_of_objects() -> dict[str, list[str]]:
     """The names of objects, and the worlds of MORSE that have them; only the names in the files are read."""
-    # imported on demand: only a mistake needs it
-    from morse.assets.blend.container import load
-
     worlds: dict[str, list[str]] = {}
     folder = Path(MORSE_COMPONENTS, "environments")
-    for path in sorted(folder.rglob("*.blend")):
+    for path in sorted(path for path in folder.rglob("*") if is_model(path)):
+        names = model_format(path).object_names
         world = path.relative_to(folder).with_suffix("").as_posix()
-        for name in sorted(set(_OBJECT.findall(load(path)))):
-            worlds.setdefault(name.decode(), []).append(world)
+        for name in names(path) if names is not None else ():
+            worlds.setdefault(name, []).append(world)
     return worlds
 
 
@@ -117,8 +112,8 @@ def find(name: str, category: str = "") -> Path:
 
     A name with the suffix of a model file is a path: absolute, below the current directory, below
     a resource directory or below a component directory. Any other name is looked for as
-    ``<component directory>/<category>/<name>.blend``, then in the resource directories, then as a folder with
-    ``model.config``, the form of models of Gazebo.
+    ``<component directory>/<category>/<name>`` with such a suffix, then in the resource directories, then as a folder
+    with ``model.config``, the form of models of Gazebo.
 
     Raises:
         AssetNotFoundError: the file does not exist.

@@ -81,7 +81,7 @@ def _examined(point: EntryPoint, brings: str) -> Plugin:
         reason = f"cannot be loaded: {type(error).__name__}: {error}"
         return Plugin(point.name, brings, point.value, lacks=reason, is_broken=True)
     if not isinstance(found, Middleware):
-        return Plugin(point.name, brings, point.value)
+        return Plugin(point.name, brings, point.value, getattr(found, "purpose", ""))
     missing = ", ".join(found.lacks())
     lacks = f"{missing} is not installed" if missing else ""
     return Plugin(point.name, brings, point.value, found.purpose, found.modules, lacks, found.how_to_install())

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from morse.assets.blend.normals import corner_normals
-from morse.assets.blend.polygons import Polygons
 from morse.assets.meshfiles.pictures import Pictures
+from morse.assets.polygons import Polygons, corner_normals
 from morse.assets.shapes.surface import without_equal_triangles
 from morse.mathutils.light import linear_color
 from morse.mathutils.portable import matmul
