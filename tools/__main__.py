@@ -17,6 +17,8 @@ component library that are missing, and its pages. With the names of components,
 
 ``python -m tools oracles``: tests/oracles.json, the bits of demos, recipes and topics that a change keeps.
 
+``python -m tools structure``: the size of the sources: files, lines, short files, lines without types.
+
 ``python -m tools site FOLDER``: adds the documentation of this version to a site.
 """
 
@@ -51,6 +53,10 @@ def main(arguments: list[str]) -> int:
         from tools import oracles
 
         return oracles.main()
+    if part == "structure" and not names:
+        from tools import structure
+
+        return structure.main()
     if part == "validation" and not names:
         from tools.validation import page
 

@@ -1,0 +1,83 @@
+"""The size of the sources: files, lines, imports, modules with one importer, lines that give up types, tests."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from pathlib import Path
+
+_ROOT = Path(__file__).parents[1]
+_SHORT = 60
+#: `Any`, and the names of `morse.core.values` that stand for it
+_ANY = re.compile(r"\b(Any|Fields|Value|Values|Options|RosMessage|StateData)\b")
+
+
+def _module(file: Path) -> str:
+    parts = file.relative_to(_ROOT / "src").with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _imports(tree: ast.Module, modules: set[str]) -> set[str]:
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            whole = {f"{node.module}.{name.name}" for name in node.names}
+            found |= (whole & modules) or {node.module}
+    return found & modules
+
+
+def _header(tree: ast.Module) -> int:
+    """The lines of imports at the top level, with those for types only."""
+    return sum(
+        (node.end_lineno or 0) - node.lineno + 1
+        for node in tree.body
+        if isinstance(node, (ast.Import, ast.ImportFrom))
+        or (isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING")
+    )
+
+
+def _outside_of_functions(file: Path) -> tuple[int, int]:
+    """The lines of a file of tests, and those of its test functions."""
+    text = file.read_text(encoding="utf-8")
+    tests = [
+        node
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name.startswith("test_")
+    ]
+    first = (min([node.lineno, *(one.lineno for one in node.decorator_list)]) for node in tests)
+    inside = sum((node.end_lineno or 0) - line + 1 for node, line in zip(tests, first, strict=True))
+    return text.count("\n"), inside
+
+
+def main() -> int:
+    """Print the table."""
+    files = [file for file in sorted((_ROOT / "src").rglob("*.py")) if "/morse/data/" not in file.as_posix()]
+    texts = {file: file.read_text(encoding="utf-8") for file in files}
+    trees = {file: ast.parse(text) for file, text in texts.items()}
+    lines = {file: text.count("\n") for file, text in texts.items()}
+    modules = {_module(file) for file in files}
+    users = Counter(name for file, tree in trees.items() for name in _imports(tree, modules) - {_module(file)})
+    plugins = [file for file in files if "/morse/plugins/" in file.as_posix()]
+    single = [file for file in files if users[_module(file)] == 1 and file.name != "__init__.py"]
+    tests = [_outside_of_functions(file) for file in (_ROOT / "tests").rglob("*.py")]
+    rows = {
+        "files of Python, core and plug-ins": len(files),
+        "files in plug-ins": len(plugins),
+        "lines, core and plug-ins": sum(lines.values()),
+        "lines in plug-ins": sum(lines[file] for file in plugins),
+        "lines of imports, %": round(100.0 * sum(map(_header, trees.values())) / sum(lines.values()), 1),
+        f"files of less than {_SHORT} lines": sum(count < _SHORT for count in lines.values()),
+        "modules with one importer": len(single),
+        f"of these with less than {_SHORT} lines": sum(lines[file] < _SHORT for file in single),
+        "longest file, lines": max(lines.values()),
+        "lines with Any or a name for it": sum(
+            bool(_ANY.search(line)) for text in texts.values() for line in text.splitlines()
+        ),
+        "lines of tests": sum(whole for whole, _ in tests),
+        "of these outside of test functions": sum(whole - inside for whole, inside in tests),
+    }
+    print("\n".join(f"| {name} | {value:,} |" for name, value in rows.items()))
+    return 0
