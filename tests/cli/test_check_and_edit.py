@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from morse.assets.search import MORSE_COMPONENTS
-from morse.cli import findings as findings_module
-from morse.cli.findings import Finding, findings
+from morse.cli import check as findings_module
+from morse.cli.check import Finding, findings
 from morse.kernel import loading, targets
 
 

@@ -37,8 +37,7 @@ class Watch:
 
 
 def _observe(name: str, watch: Watch) -> list[str]:
-    from morse.verification.contract.contract_world import set_up
-    from morse.verification.contract.log_capture import LogCapture
+    from morse.verification.contract.contract_world import LogCapture, set_up
     from morse.verification.contract.subjects import subjects
 
     (subject,) = subjects(name)

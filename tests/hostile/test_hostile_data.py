@@ -19,7 +19,7 @@ from morse.core.services import service
 from morse.core.streams.extent import MOST_ITEMS, MOST_NUMBERS, TooLarge, excess, listed
 from morse.helpers.components import add_data
 from morse.robots.fakerobot import FakeRobot as FakeRobotClass
-from morse.viewer.feeds.values import ValuesFeed
+from morse.viewer.feeds.components import ValuesFeed
 from morse.viewer.protocol import encode_json
 from morse.wire.encoding import to_json, written
 

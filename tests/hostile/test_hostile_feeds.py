@@ -12,8 +12,8 @@ import pytest
 import morse
 from morse.builder import Environment, FakeRobot, Pose
 from morse.core.state import StateError
-from morse.viewer.feeds.values import ValuesFeed
-from morse.viewer.inputs.history import Rewinder
+from morse.viewer.feeds.components import ValuesFeed
+from morse.viewer.page_inputs import Rewinder
 
 BAD_DATA = {
     "nothing": lambda: None,

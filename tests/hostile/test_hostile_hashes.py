@@ -16,7 +16,7 @@ from test_hostile_values_in_states import NoReferences
 from effort import examples
 from morse.core.state import Reader, StateError
 from morse.recording.errors import RecordingError
-from morse.recording.made.unpacking import Unpacking
+from morse.recording.made.reading import Unpacking
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
 from morse.simulation.states.state import State
 from morse.system.packed_keys import check_keys

@@ -17,7 +17,7 @@ from morse.cli.messages import CommandError
 from morse.cli.sites import Sites
 from morse.simulation.states.state import State
 from morse.system.regular_files import SOURCE_LIMIT, read_regular
-from morse.viewer.feeds.sounds import read_sound
+from morse.viewer.feeds.sensors import read_sound
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -17,7 +17,7 @@ import morse
 from morse.builder import ATRV, Environment, FakeRobot
 from morse.core.declarations import properties
 from morse.viewer import live_view, page_messages
-from morse.viewer.editor.catalog import Catalog
+from morse.viewer.editor.editor import Catalog
 from morse.viewer.hub import Hub, Wishes
 from morse.viewer.live_view import View
 from morse.viewer.page import MOST_WAITING, Page
@@ -341,7 +341,7 @@ def test_a_page_begins_with_any_number_of_messages() -> None:
 
 
 def test_a_page_that_watches_many_properties_gets_them_in_parts(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("morse.viewer.feeds.states._MOST_TOLD", 1)
+    monkeypatch.setattr("morse.viewer.feeds.components._MOST_TOLD", 1)
     robot = desk.simulation.context.robots["robot"]
     count = len(properties(type(robot))) * 2
     desk.view._server._hub.wishes = Wishes(values=frozenset(("robot", "other")))

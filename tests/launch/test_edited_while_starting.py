@@ -6,8 +6,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.script import load_scene
-from morse.launch.rereading import Rereading
-from morse.launch.stamps import script_stamp, source_stamps
+from morse.launch.rereading import Rereading, script_stamp, source_stamps
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:

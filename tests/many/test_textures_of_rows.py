@@ -156,8 +156,8 @@ def test_a_task_draws_textures_which_are_in_the_infos(pictures):
 
 
 def test_the_page_describes_the_new_texture(pictures):
-    from morse.viewer.asset_store import AssetStore
     from morse.viewer.describe import describe
+    from morse.viewer.site import AssetStore
 
     with morse.load(scene) as sim:
         sim.set_texture("Wall", "red.png")

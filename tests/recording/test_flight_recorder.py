@@ -14,7 +14,7 @@ from recorded import SCRIPT, read_by_rosbags
 
 import morse
 from morse.recording.recording import Recording
-from morse.simulation.recordings.flight_recorder import FlightRecorder
+from morse.simulation.recordings.recorders import FlightRecorder
 from morse.verification.resimulation import resimulate
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from morse.core.sensor import Sensor as SensorClass
 from morse.launch.playing import playing
 from morse.recording.errors import RecordingError
 from morse.recording.made.packing import Packing
-from morse.recording.made.unpacking import Unpacking
+from morse.recording.made.reading import Unpacking
 from morse.recording.recording import Recording
 from morse.verification.resimulation import resimulate
 

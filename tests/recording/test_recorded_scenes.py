@@ -11,9 +11,9 @@ import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
 from morse.sensors.pose import Pose
-from morse.viewer.asset_store import AssetStore
 from morse.viewer.describe import describe
-from morse.viewer.feeds.tree import component_tree
+from morse.viewer.feeds.components import component_tree
+from morse.viewer.site import AssetStore
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

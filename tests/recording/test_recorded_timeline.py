@@ -11,12 +11,9 @@ import pytest
 import morse
 from morse.launch.load import start
 from morse.launch.playing import playing
-from morse.launch.recorded_run import inputs_of
-from morse.launch.recorded_scenes import shown_scene
-from morse.recording.recording import Recording
-from morse.recording.shown import RecordedWorld
-from morse.simulation.recordings.recorded_timeline import RecordedTimeline
-from morse.simulation.recordings.timeline import Timeline
+from morse.launch.recorded_run import inputs_of, shown_scene
+from morse.recording.recording import RecordedWorld, Recording
+from morse.simulation.recordings.recorded_timeline import RecordedTimeline, Timeline
 
 if TYPE_CHECKING:
     import contextlib

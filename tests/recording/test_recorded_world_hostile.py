@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from morse.recording.errors import RecordingError
+from morse.recording.fields.poses import LOOKS, NODES, POSES, POSES_TYPE, TEXT_TYPE
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
-from morse.recording.motion import LOOKS, NODES, POSES, POSES_TYPE, TEXT_TYPE
 from morse.recording.recorder import BEGINNING
-from morse.recording.recording import Recording
-from morse.recording.shown import RecordedWorld
+from morse.recording.recording import RecordedWorld, Recording
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.definitions import definition
 from morse.simulation.recordings.recorded_timeline import _is_look

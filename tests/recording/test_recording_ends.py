@@ -20,8 +20,8 @@ from recorded import SCRIPT, drive, read_by_rosbags, scene
 import morse
 from morse.recording.disk import Disk
 from morse.recording.errors import RecordingError
-from morse.recording.mcap.chunks import Messages
 from morse.recording.mcap.reader import McapFile
+from morse.recording.mcap.writer import Messages
 
 _LIMIT = 100.0
 

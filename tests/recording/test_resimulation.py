@@ -18,8 +18,7 @@ from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
 from morse.rosmsgs.cdr import decode, encode
-from morse.verification.comparison import largest_difference
-from morse.verification.resimulation import resimulate
+from morse.verification.resimulation import largest_difference, resimulate
 
 if TYPE_CHECKING:
     from pathlib import Path

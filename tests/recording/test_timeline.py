@@ -11,8 +11,8 @@ from recorded import SCRIPT, drive
 import morse
 from morse.launch.recorded_run import inputs_of
 from morse.recording.recording import Recording
-from morse.simulation.recordings import timeline as module
-from morse.simulation.recordings.timeline import Timeline
+from morse.simulation.recordings import recorded_timeline as module
+from morse.simulation.recordings.recorded_timeline import Timeline
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,7 +9,7 @@ from studio import Studio, Tripod, body, triangles
 from morse.builder.assembly import shapes
 from morse.kernel.drawing.arrays import CLOSED, MIXED
 from morse.rendering import Lens
-from morse.rendering.closed import closed_parts
+from morse.rendering.meshes import closed_parts
 from morse.scene import Material
 
 POINTS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32)

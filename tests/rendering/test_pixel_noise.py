@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from morse.rendering.light_codes import LIGHT, encoded
 from morse.rendering.pixel_noise import Chip, exposed
+from morse.rendering.textures import LIGHT, encoded
 
 
 def generators(seed=1):

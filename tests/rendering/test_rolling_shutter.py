@@ -9,7 +9,7 @@ import pytest
 from studio import FAR, Studio, Tripod, box
 
 from morse.rendering import DistortedLens, Lens, Motion
-from morse.rendering.motion import moved
+from morse.rendering.lens import moved
 from morse.scene import Material
 
 WIDTH, HEIGHT, FOCAL, AWAY = 160, 96, 120.0, 4.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from studio import Studio, Tripod, box, floor
 
-import morse.rendering.shadows as shadows
+import morse.rendering.lights as shadows
 from morse.rendering import Lens
 from morse.scene import PhysicsType
 

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from morse.core.exceptions import MorseRPCTypeError
-from morse.rendering.light_codes import LIGHT
+from morse.rendering.textures import LIGHT
 from morse.sensors.camera import CAMERA_INFO
 from morse.wire.images import image_fields
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from morse.viewer.feeds.rays import ViewRays
+from morse.viewer.feeds.sensors import ViewRays
 
 SCRIPT = """
 wall = Cube("Wall")

@@ -11,7 +11,7 @@ from PIL import Image
 
 from morse.core.requests import prepare
 from morse.rendering import renderer
-from morse.viewer.feeds.pictures import PicturesFeed
+from morse.viewer.feeds.sensors import PicturesFeed
 from morse.viewer.hub import Wishes
 
 SCRIPT = """

@@ -13,7 +13,7 @@ import morse.builder as builder
 from morse.builder.names import catalog
 from morse.core.declarations import properties
 from morse.core.streams.pending_commands import PendingCommands
-from morse.verification.contract.examples import example
+from morse.verification.contract.contract_world import example
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from morse.core.observer import SHOWN
-from morse.simulation.fallen import FallenError
+from morse.simulation.reviews import FallenError
 
 if TYPE_CHECKING:
     from collections.abc import Callable

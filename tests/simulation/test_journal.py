@@ -20,7 +20,7 @@ from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
 from morse.simulation import population
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, entry_to_bytes
-from morse.simulation.recordings.timeline import Timeline
+from morse.simulation.recordings.recorded_timeline import Timeline
 from morse.verification.resimulation import resimulate
 
 if TYPE_CHECKING:

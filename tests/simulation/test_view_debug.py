@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.viewer.feeds.debug_properties import ViewDebug
+from morse.viewer.feeds.components import ViewDebug
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,7 +36,7 @@ class Shown:
     def __init__(self, simulation: Any, monkeypatch: pytest.MonkeyPatch) -> None:
         self.said: list[DebugProperties] = []
         self._now = time.monotonic()
-        monkeypatch.setattr("morse.viewer.feeds.debug_properties.time.monotonic", lambda: self._now)
+        monkeypatch.setattr("morse.viewer.feeds.components.time.monotonic", lambda: self._now)
         self._debug = ViewDebug(simulation, SimpleNamespace(send=self.said.append))  # type: ignore[arg-type]
 
     def look(self, after: float = 0.25) -> dict[str, str]:

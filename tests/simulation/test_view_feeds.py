@@ -15,8 +15,8 @@ import pytest
 from websockets.sync.client import connect
 
 from morse.core.observer import SHOWN
+from morse.viewer.feeds.components import shown
 from morse.viewer.feeds.log import KEPT, printable
-from morse.viewer.feeds.values import shown
 from morse.viewer.live_view import View
 from morse.viewer.protocol import VERSION
 

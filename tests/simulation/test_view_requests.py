@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from morse.viewer import page_messages as page
-from morse.viewer.feeds.states import StatesFeed
-from morse.viewer.feeds.tree import component_tree
+from morse.viewer.feeds.components import StatesFeed, component_tree
 from morse.viewer.hub import Wishes
-from morse.viewer.inputs.commands import Commands
-from morse.viewer.inputs.service_calls import ServiceCalls
 from morse.viewer.live_view import Moving, View
+from morse.viewer.page import PageLeft
+from morse.viewer.page_inputs import Commands, ServiceCalls
 from morse.viewer.page_messages import ViewEvent
 from morse.viewer.protocol import page_message_types
-from morse.viewer.requests import PageLeft
 from morse.viewer.view_messages import Activity, Answer, Capturing, PropertyValue, Refused
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from morse.simulation.watching.classes import to_renew
-from morse.simulation.watching.files import SavedFiles
+from morse.simulation.watching.edits import SavedFiles
 
 if TYPE_CHECKING:
     from pathlib import Path

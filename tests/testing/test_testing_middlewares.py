@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.testing.daemon import Daemon
 from morse.testing.exceptions import MorseTestingError
 from morse.testing.moos import MOOSTestCase
+from morse.testing.process import Daemon
 from morse.testing.ros import RosTestCase
 
 if TYPE_CHECKING:

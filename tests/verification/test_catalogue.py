@@ -27,8 +27,7 @@ from morse.core.declarations import levels
 from morse.core.sensor import Sensor
 from morse.recording.recording import Recording
 from morse.simulation.loader import LoadError
-from morse.verification.contract.contract_world import CARRIERS, HOLDERS
-from morse.verification.contract.examples import example
+from morse.verification.contract.contract_world import CARRIERS, HOLDERS, example
 from morse.verification.contract.subjects import library, subjects
 from morse.verification.resimulation import repeat
 

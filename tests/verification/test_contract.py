@@ -9,8 +9,7 @@ from contract_breakers import BREAKERS, BRITTLE_ACTUATOR, SOUND
 
 from morse.cli.app import execute
 from morse.verification.contract import SubjectError, check_component
-from morse.verification.contract.behaviour import FITS, SAVED
-from morse.verification.contract.check import LOADS, RULES
+from morse.verification.contract.check import FITS, LOADS, RULES, SAVED
 from morse.verification.contract.subjects import library
 
 if TYPE_CHECKING:

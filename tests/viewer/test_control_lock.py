@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from morse.viewer.control_lock import DEAD_MAN, ControlLock
+from morse.viewer.page import DEAD_MAN, ControlLock
 
 UP, LEFT = frozenset({"ArrowUp"}), frozenset({"ArrowLeft"})
 

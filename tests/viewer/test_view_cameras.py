@@ -14,9 +14,8 @@ from view_worlds import playground
 
 from morse.core.colors.id_colors import as_colors
 from morse.core.colors.image_colors import as_heat, depth_levels
-from morse.viewer.component_description import ComponentDescription, FieldDescription, PropertyDescription
-from morse.viewer.feeds.frustums import rim
-from morse.viewer.feeds.pictures import as_jpeg
+from morse.viewer.description import ComponentDescription, FieldDescription, PropertyDescription
+from morse.viewer.feeds.sensors import as_jpeg, rim
 from morse.viewer.view_messages import (
     Cloud,
     Frustum,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import morse
-from morse.viewer.feeds.clouds import ViewClouds
+from morse.viewer.feeds.sensors import ViewClouds
 from morse.viewer.hub import Wishes
 
 SCENE = """

@@ -14,9 +14,9 @@ from morse.core.abstractobject import AbstractObject
 from morse.core.services import concurrent_service
 from morse.scene import Scene
 from morse.viewer import hub as hubs
-from morse.viewer.inputs.service_calls import ServiceCalls
+from morse.viewer.page import MOST_REQUESTS, PageLeft
+from morse.viewer.page_inputs import ServiceCalls
 from morse.viewer.page_messages import CallService, Pause
-from morse.viewer.requests import MOST_REQUESTS, PageLeft
 from morse.viewer.view_messages import Answer
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from websockets.exceptions import InvalidStatus
 import morse
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
-from morse.viewer.editor.catalog import Catalog
+from morse.viewer.editor.editor import Catalog
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

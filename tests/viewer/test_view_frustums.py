@@ -11,7 +11,7 @@ import pytest
 
 from morse.rendering.distortion import lens_of
 from morse.rendering.lens import Lens
-from morse.viewer.feeds.frustums import SIDE, ViewFrustums, rim
+from morse.viewer.feeds.sensors import SIDE, ViewFrustums, rim
 from morse.viewer.hub import Wishes
 
 

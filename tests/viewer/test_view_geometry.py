@@ -15,10 +15,8 @@ from view_worlds import box, chequers, mesh_node, playground
 from effort import examples
 from morse.scene import Material, Mesh, Node, Scene
 from morse.scene.frames import rigid_frame
-from morse.viewer.asset_store import AssetStore
-from morse.viewer.describe import describe
-from morse.viewer.frames import rigid_frames
-from morse.viewer.geometry import PackedMesh, pack_mesh
+from morse.viewer.describe import describe, rigid_frames
+from morse.viewer.site import AssetStore, PackedMesh, pack_mesh
 from morse.viewer.snapshot import MovingNode
 
 

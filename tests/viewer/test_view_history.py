@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from morse.viewer.inputs import history
-from morse.viewer.inputs.history import Rewinder, size_of
+from morse.viewer import page_inputs
+from morse.viewer.page_inputs import Rewinder, size_of
 
 PERIOD = 1 / 60
 
@@ -111,7 +111,7 @@ def test_what_came_after_is_forgotten_when_time_goes_on_from_there(counter: Coun
 
 
 def test_large_states_are_kept_fewer(counter: Counter, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(history, "_MOST_BYTES", 1_000_000)
+    monkeypatch.setattr(page_inputs, "_MOST_BYTES", 1_000_000)
     counter.size = 95_000
     counter.run(60 * 60)
     assert len(counter.told[-1]) == 10

@@ -9,7 +9,7 @@ from shared_page import FROM_THE_TOP
 from view_pages import until
 from view_worlds import playground
 
-from morse.viewer.component_description import ComponentDescription, FieldDescription
+from morse.viewer.description import ComponentDescription, FieldDescription
 from morse.viewer.view_messages import (
     DebugProperties,
     DebugProperty,

@@ -12,7 +12,7 @@ from PIL import Image
 
 from morse.core.colors.image_colors import FARTHEST_LEVEL, as_pixels, depth_levels
 from morse.sensors.thermal_camera import ThermalCamera
-from morse.viewer.feeds.pictures import PicturesFeed, sightings
+from morse.viewer.feeds.sensors import PicturesFeed, sightings
 from morse.viewer.hub import Wishes
 from morse.viewer.view_messages import Sighting
 

@@ -10,7 +10,7 @@ import pytest
 import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
-from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
+from morse.viewer.feeds.recorded import RecordedPicturesFeed
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -78,7 +78,7 @@ class TestPage:
 
 def test_pages_are_told_of_a_recording(tmp_path, monkeypatch) -> None:
     import morse
-    from morse.viewer.feeds.recordings import RecordingsFeed
+    from morse.viewer.feeds.log import RecordingsFeed
 
     def scene() -> None:
         from morse.builder import ATRV, Environment, Pose

@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed
 
 from morse.core.clients.network import Network
 from morse.scene import Scene
-from morse.viewer.control_lock import DEAD_MAN
+from morse.viewer.page import DEAD_MAN
 from morse.viewer.page_messages import CallService, Drag, DragEnd, Pause, SetSpeed, Step
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close
 from morse.viewer.server import ViewServer
@@ -38,7 +38,7 @@ def snapshot(tick: int, status: str = "running") -> Snapshot:
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Keys stay held although these pages send no heartbeat: on a busy machine, the test may look late."""
-    monkeypatch.setattr("morse.viewer.control_lock.DEAD_MAN", 1e9)
+    monkeypatch.setattr("morse.viewer.page.DEAD_MAN", 1e9)
 
 
 def closing(client: Client) -> tuple[int, str]:

@@ -12,7 +12,7 @@ import pytest
 from view_pages import fetch, until
 
 import morse
-from morse.viewer.feeds.sounds import SoundsFeed, read_sound
+from morse.viewer.feeds.sensors import SoundsFeed, read_sound
 from morse.viewer.view_messages import SoundState
 
 if TYPE_CHECKING:

@@ -17,8 +17,7 @@ from view_pages import until
 
 import morse as simulator
 from morse.cli.app import execute
-from morse.viewer.page_export.html import page_of
-from morse.viewer.page_export.page_recording import Tape
+from morse.viewer.exported_page import Tape, page_of
 from morse.viewer.view_messages import History, Picture, Values
 
 SCENE = """

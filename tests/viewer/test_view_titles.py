@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from morse.viewer.titles import title_of
+from morse.viewer.live_view import title_of
 
 
 @pytest.mark.parametrize(

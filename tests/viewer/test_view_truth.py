@@ -11,7 +11,7 @@ from view_pages import until
 from view_worlds import box, mesh_node
 
 from morse.scene import ComponentDeclaration, Scene
-from morse.viewer.component_description import ComponentDescription, FieldDescription, PropertyDescription
+from morse.viewer.description import ComponentDescription, FieldDescription, PropertyDescription
 from morse.viewer.page_messages import Command, DragEnd, Quit, Rewind, StepBack
 from morse.viewer.view_messages import (
     History,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from view_pages import until
 
-from morse.viewer.component_description import (
+from morse.viewer.description import (
     ArgumentDescription,
     ComponentDescription,
     FieldDescription,

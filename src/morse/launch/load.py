@@ -289,8 +289,7 @@ def complete(simulation: Simulation) -> None:
     """
     from morse.physics.model.overlaps import below_the_floor, overlaps
     from morse.physics.model.raised_robots import raised
-    from morse.simulation.fallen import Fallen
-    from morse.simulation.published_data import PublishedData
+    from morse.simulation.reviews import Fallen, PublishedData
     from morse.simulation.scene_checks import log_warnings_of_packages
 
     with scene_warnings(refused=simulation.options.on_warning == "raise") as collected, about(simulation.scene.where):
@@ -315,7 +314,7 @@ def complete(simulation: Simulation) -> None:
     simulation.reviews.extend((PublishedData(simulation).review, Fallen(simulation).review))
     options = simulation.options
     if options.keep_last:
-        from morse.simulation.recordings.flight_recorder import FlightRecorder
+        from morse.simulation.recordings.recorders import FlightRecorder
 
         simulation.flight_recorder = FlightRecorder(simulation, options.keep_last)
         simulation.observers.append(simulation.flight_recorder)

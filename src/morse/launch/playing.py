@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING
 
 from morse.launch.ending_signals import ending_signals
 from morse.launch.load import resolve
-from morse.launch.recorded_run import complete, guard, inputs_of
-from morse.launch.recorded_scenes import shown_scene
+from morse.launch.recorded_run import complete, guard, inputs_of, shown_scene
 from morse.recording.errors import RecordingError
 from morse.recording.recorder import FIRST_SHOWN
-from morse.simulation.recordings.recorded_timeline import RecordedTimeline
-from morse.simulation.recordings.timeline import Timeline
+from morse.simulation.recordings.recorded_timeline import RecordedTimeline, Timeline
 from morse.simulation.simulation import Simulation
 from morse.viewer.replay_view import ReplayView
 

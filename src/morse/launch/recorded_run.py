@@ -6,12 +6,13 @@ import logging
 import math
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.assets.search import resource_dirs
 from morse.core.exceptions import MorseBuilderError, MorseError
-from morse.core.journal import RESTORE, SPAWN, Entry
+from morse.core.journal import EDIT, RESTORE, SPAWN, Entry
 from morse.core.reports.quoting import quoted, shown
+from morse.launch.load import described, start
 from morse.launch.recorded_scripts import (
     is_same,
     show_trusted,
@@ -26,7 +27,7 @@ from morse.recording.made.reading import RecordedMade
 from morse.services.foreign_models import check_model
 from morse.simulation.options import RunOptions
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
-from morse.simulation.recordings.recorded_timeline import modules_of
+from morse.simulation.recordings.recorded_timeline import RecordedTimeline, Timeline, modules_of
 from morse.simulation.recordings.recorders import MODULES, STATE
 from morse.simulation.states.state import State
 
@@ -35,7 +36,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.recording.recording import Recording
+    from morse.scene import Scene
     from morse.simulation.simulation import Simulation
+
 
 logger = logging.getLogger(__name__)
 
@@ -204,3 +207,97 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except ValueError:  # a character that no path has
         return False
+
+
+# The scene of a recorded run that is shown: that which the recording describes, else that of a script.
+
+
+class ShownScene(NamedTuple):
+    """A scene, and how it is run.
+
+    Attributes:
+        is_described: whether the recording describes the scene, so that no script was executed.
+    """
+
+    scene: Scene
+    options: RunOptions
+    is_described: bool
+
+
+def shown_scene(
+    recording: Recording,
+    inputs: InputRecording,
+    scene: str,
+    trust: bool,
+    stack: contextlib.ExitStack,
+    say: Callable[[str], object],
+    projects: Sequence[str] = (),
+) -> ShownScene:
+    """The scene of a recording, without servers.
+
+    Args:
+        inputs: of the recording.
+        scene, trust, stack, told, projects: see `morse.launch.recorded_run.options_of`.
+
+    Raises:
+        RecordingError: the recording is damaged; or it does not describe its scene, and its script is not trusted.
+    """
+    reason = "" if scene else _lack(recording, inputs)
+    if not scene and not reason:
+        # what is simulated again needs the behaviour of each component
+        products = RecordedMade(recording, tuple, exact=not RecordedTimeline.is_possible(recording, inputs))
+        try:
+            return ShownScene(products.scene(), plain_options(recording), True)
+        except RecordingError as error:
+            if RecordedTimeline.is_possible(recording, inputs):
+                raise
+            reason = f"The recording contains only the inputs of the run, which has to be simulated again, and {error}"
+    try:
+        options = options_of(recording, scene, trust, stack, say, projects)
+    except RecordingError as error:
+        raise RecordingError(f"{error}. {reason}") from None
+    return ShownScene(described(options.script, options), options, False)
+
+
+def _lack(recording: Recording, inputs: InputRecording) -> str:
+    """Why a recording needs a script to be shown; empty if it does not."""
+    edited = next((entry.name for entry in inputs.entries if entry.kind == EDIT), None)
+    if edited is not None:
+        return f"The recording alone cannot be shown, because {quoted(edited)} was edited during the run"
+    if not RecordedMade.describe_the_scene(recording):
+        return "The recording is of an earlier version or of a failure: it contains no meshes, materials and components"
+    return ""
+
+
+# A recorded run, ready to be gone through: for films and for pages without a server.
+
+
+def timeline_of(
+    recording: Recording,
+    stack: contextlib.ExitStack,
+    scene: str,
+    say: Callable[[str], object],
+    *,
+    trust: bool,
+    projects: Sequence[str] = (),
+) -> tuple[Simulation, Timeline | RecordedTimeline]:
+    """The simulation of the scene of a recording, and its run: the recorded poses or, without them, the inputs.
+
+    Args:
+        recording: recording of the run.
+        stack: closes the simulation.
+        scene: path of a scene script; empty for the scene that the recording describes, or else its script.
+        say: callback for messages to the user.
+        trust, projects: see `morse.launch.recorded_run.options_of`.
+
+    Raises:
+        MorseError: the run cannot be simulated again.
+    """
+    inputs = inputs_of(recording, lenient=True)
+    view = shown_scene(recording, inputs, scene, trust, stack, say, projects)
+    simulation = stack.enter_context(start(view.scene, view.options))
+    guard(simulation, described=view.is_described, trust=trust)
+    if RecordedTimeline.is_possible(recording, inputs):
+        return simulation, RecordedTimeline(simulation, recording, inputs, described=view.is_described)
+    inputs = complete(recording, simulation, described=view.is_described)
+    return simulation, Timeline(simulation, inputs, recording.length())

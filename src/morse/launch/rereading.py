@@ -12,9 +12,8 @@ from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
 from morse.core.observer import SHOWN
 from morse.launch.load import refuse
-from morse.launch.stamps import Stamps, script_stamp, source_stamps, sources_of
 from morse.scene.scene_warnings import scene_warnings
-from morse.simulation.watching.files import stamp
+from morse.simulation.watching.edits import stamp
 from morse.simulation.watching.watch import Watch
 
 if TYPE_CHECKING:
@@ -22,6 +21,28 @@ if TYPE_CHECKING:
     from morse.simulation.options import RunOptions
     from morse.simulation.simulation import Simulation
     from morse.viewer.live_view import View
+
+
+# The files of a scene at the time when they were read.
+
+Stamps = dict[str, "tuple[int, int, int] | None"]
+
+
+def script_stamp(options: RunOptions) -> Stamps:
+    """The stamp of the script, to be taken before it is read."""
+    path = os.path.abspath(options.script)
+    return {path: stamp(path)}
+
+
+def sources_of(scene: Scene) -> list[str]:
+    """The files of the modules of the project of a scene."""
+    return list(scene.project.sources().values()) if isinstance(scene.project, ProjectImports) else []
+
+
+def source_stamps(scene: Scene) -> Stamps:
+    """The stamps of the modules that a scene has just imported."""
+    return {path: stamp(path) for path in sources_of(scene)}
+
 
 logger = logging.getLogger("morse.main")
 

@@ -22,19 +22,18 @@ from morse.core.reports.log import endsection, section, set_level
 from morse.core.requests import prepare
 from morse.launch.ending_signals import ending_signals
 from morse.launch.load import review_settings
-from morse.launch.stamps import script_stamp, source_stamps
+from morse.launch.rereading import script_stamp, source_stamps
 from morse.launch.stuck_ticks import StuckTicks
 from morse.scene.scene_warnings import WarningCount, scene_warnings
 from morse.simulation.ending import FAULTS
-from morse.simulation.summary import summary
 from morse.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.core.context import Context
     from morse.core.guard import Failure
-    from morse.launch.rereading import Rereading
-    from morse.launch.stamps import Stamps
+    from morse.launch.rereading import Rereading, Stamps
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
     from morse.simulation.simulation import Simulation
@@ -42,6 +41,45 @@ if TYPE_CHECKING:
 
     #: ends the process with a status, although a component cannot be interrupted
     Leave = Callable[[int], object] | None
+
+
+# The summary that a simulation prints when it is ready.
+
+_RULE = "-" * 36
+
+
+def summary(context: Context, modifiers: list[str], datastreams: list[str], *, verbose: bool = False) -> list[str]:
+    """Return the lines of the summary; the names of all services only if ``verbose``."""
+    lines = [_RULE, "-        SIMULATION SUMMARY        -", _RULE, "Robots in the simulation:"]
+    for name in context.robots:
+        lines += _robot(context, name)
+    if not context.robots:
+        lines.append("\tNone: in a scene script, robot = Morsy() before the environment adds one")
+    if context.external_robots:
+        lines.append("External robots (from other simulation nodes):")
+        lines += [f"\tROBOT: '{name}'" for name in context.external_robots]
+    lines.append("Available services:")
+    for classpath, manager in context.services.request_managers().items():
+        lines.append(f"\t- Interface {classpath}")
+        services_of = manager.services()
+        if verbose:
+            lines += [f"\t\t- {component}: {services}" for component, services in services_of.items()]
+        else:
+            count = sum(map(len, services_of.values()))
+            lines.append(f"\t\t- {count} services of {len(services_of)} components; --verbose lists them")
+    lines.append("Modifiers in use:")
+    lines += [f"\t- '{classpath}'" for classpath in modifiers] or ["\tNone"]
+    lines.append("Datastream interfaces configured:")
+    lines += [f"\t- '{classpath}'" for classpath in datastreams] or ["\tNone"]
+    lines.append(_RULE)
+    return lines
+
+
+def _robot(context: Context, name: str) -> list[str]:
+    robot = context.robots[name]
+    components = [n for n, c in context.components.items() if c.robot_parent is robot]
+    return [f"\tROBOT: '{name}'", *(f"\t\t- Component: '{component}'" for component in components)]
+
 
 logger = logging.getLogger("morse.main")
 
@@ -308,7 +346,7 @@ def _follow(simulation: Simulation, options: RunOptions, stamps: Stamps) -> Rere
 
 def _loop(simulation: Simulation, leave: Leave = None) -> int:
     from morse.physics import UnstableError
-    from morse.simulation.fallen import FallenError
+    from morse.simulation.reviews import FallenError
 
     live = None
     if simulation.profile is not None:

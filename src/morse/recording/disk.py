@@ -7,14 +7,13 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any, Protocol
 
-from morse.recording.mcap.chunks import chunk_of
-from morse.recording.mcap.writer import McapWriter
+from morse.recording.mcap.writer import McapWriter, chunk_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from io import FileIO
 
-    from morse.recording.mcap.chunks import Messages
+    from morse.recording.mcap.writer import Messages
 
 
 #: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself

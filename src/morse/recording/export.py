@@ -5,23 +5,186 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+import numpy as np
+
+from morse.core.exceptions import MorseError
 from morse.core.reports.hints import nearest
 from morse.core.validation.names import file_name
 from morse.recording.errors import RecordingError
-from morse.recording.fields import FIELDS
-from morse.recording.fields.table import FieldsTable
-from morse.recording.tables import Table
+from morse.recording.fields import DECLARED, FIELDS
+from morse.recording.fields.reading import block_of
+from morse.rosmsgs.cdr import CdrError, decode
+from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 from morse.system.extras import install
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection, Iterator
 
-    from morse.core.values import Value
+    from morse.core.values import RosMessage, Value
     from morse.recording.mcap.reader import Channel, McapFile
     from morse.recording.mcap.records import Message
+    from morse.rosmsgs.definitions import MessageField
+
+
+# Messages as rows of tables.
+
+#: maximum length of fixed arrays with one column for each item
+_MOST_ITEMS = 36
+#: the columns before those of the message: simulated time (s), the same without the jumps of restarts, number of ticks
+FIRST = ("time", "log_time", "tick")
+
+
+class Table:
+    """The messages of one type as rows.
+
+    A column has the name of its field: ``pose.position.x``, ``header.frame_id``. A message that only contains a list of
+    others, such as ``tf2_msgs/TFMessage``, gives a row for each of them.
+
+    Args:
+        type_name: of the messages, ``geometry_msgs/msg/PoseStamped``.
+        without_data: leave out fields of bytes (images, point clouds).
+
+    Attributes:
+        columns: name and type, of `PRIMITIVES` or ``string``, with ``[]`` at the end for a list; a list of messages
+            has the type ``json``.
+        left_out: fields without a column.
+
+    Raises:
+        RecordingError: the type is not known.
+    """
+
+    def __init__(self, type_name: str, *, without_data: bool = False) -> None:
+        self.columns: list[tuple[str, str]] = list(zip(FIRST, ("float64", "float64", "int64"), strict=True))
+        self.left_out: list[str] = []
+        self._type = type_name
+        self._without_data = without_data
+        self._getters: list[Callable[[RosMessage], object]] = []
+        try:
+            fields = fields_of(type_name)
+        except MorseError as error:
+            raise RecordingError(str(error)) from None
+        self._list = ""
+        if len(fields) == 1 and fields[0].size == SEQUENCE and "/" in fields[0].type:
+            self._list, fields = fields[0].name, fields_of(fields[0].type)
+        self._add(fields, (), lambda message: message)
+
+    def _add(
+        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[RosMessage], Value]
+    ) -> None:
+        for field in fields:
+            path = (*above, field.name)
+
+            def get(message: RosMessage, name: str = field.name) -> Value:
+                return owner(message)[name]
+
+            if "/" in field.type and field.size == SINGLE:
+                self._add(fields_of(field.type), path, get)
+            else:
+                self._column(".".join(path), field, get)
+
+    def _column(self, name: str, field: MessageField, get: Callable[[RosMessage], Value]) -> None:
+        if self._without_data and field.type == "uint8" and field.size == SEQUENCE:
+            self.left_out.append(name)
+        elif field.size == SINGLE:
+            self.columns.append((name, field.type))
+            self._getters.append(get)
+        elif field.type in PRIMITIVES and 0 < field.size <= _MOST_ITEMS:
+            for item in range(field.size):
+                self.columns.append((f"{name}[{item}]", field.type))
+                self._getters.append(lambda message, item=item: _number(get(message)[item]))  # type: ignore[misc]
+        else:
+            is_plain = field.type in PRIMITIVES or field.type == "string"
+            self.columns.append((name, f"{field.type}[]" if is_plain else "json"))
+            self._getters.append(lambda message: get(message))
+
+    def rows(self, one: Message) -> Iterator[list[Value]]:
+        """The rows of a message.
+
+        Raises:
+            RecordingError: it is damaged.
+        """
+        try:
+            message = decode(self._type, one.data)
+        except (CdrError, ValueError) as error:
+            raise RecordingError(f"a message of tick {one.sequence} is damaged: {error}") from None
+        first = [one.publish_time / 1e9, one.log_time / 1e9, one.sequence]
+        for row in message[self._list] if self._list else (message,):
+            yield first + [get(row) for get in self._getters]
+
+
+def _number(value: object) -> Value:
+    return value.item() if hasattr(value, "item") else value
+
+
+# Data fields as rows of tables.
+
+#: type of a column and its values in Python, by the declared type of a field
+_SINGLE: dict[str, tuple[str, tuple[type, ...]]] = {
+    "float": ("float64", (float, int)),
+    "int": ("int64", (int,)),
+    "integer": ("int64", (int,)),
+    "bool": ("bool", (bool,)),
+    "string": ("string", (str,)),
+}
+#: maximum number of fields of a component
+_MOST = 1000
+
+
+class FieldsTable:
+    """The data fields of a component, one row for each measurement; see `morse.recording.export.Table`.
+
+    Args:
+        channel: of the fields.
+        path: of the file, for errors.
+        without_data: leave out images and clouds.
+
+    Attributes:
+        columns, left_out: as those of `Table`. Lists, arrays and structures have the type ``json``.
+
+    Raises:
+        RecordingError: the declarations of the fields are damaged.
+    """
+
+    def __init__(self, channel: Channel, path: str, *, without_data: bool = False) -> None:
+        self.columns: list[tuple[str, str]] = list(zip(FIRST, ("float64", "float64", "int64"), strict=True))
+        self.left_out: list[str] = []
+        self._path = path
+        self._fields: list[tuple[str, tuple[type, ...]]] = []
+        try:
+            declarations = json.loads(channel.metadata[DECLARED])[:_MOST]
+            for field in declarations:
+                name, kind, shape = str(field["name"]), str(field["type"]), field.get("shape")
+                if without_data and isinstance(shape, list) and len(shape) > 1:
+                    self.left_out.append(name)
+                    continue
+                column, types = _SINGLE.get(kind, ("json", (object,)))
+                self.columns.append((name, column))
+                self._fields.append((name, types))
+        except (ValueError, LookupError, TypeError, RecursionError) as error:
+            raise RecordingError(f"the declarations of its fields are damaged: {error}") from None
+
+    def rows(self, one: Message) -> Iterator[list[Any]]:
+        """The rows of a message; a value of another type than its column is None.
+
+        Raises:
+            RecordingError: it is damaged.
+        """
+        block = block_of(one, self._path)
+        for row in range(len(block)):
+            fields = block.row(row)
+            values = [_fitting(fields.values.get(name), types) for name, types in self._fields]
+            yield [(fields.time - one.log_time + one.publish_time) / 1e9, fields.time / 1e9, fields.tick, *values]
+
+
+def _fitting(value: object, types: tuple[type, ...]) -> object:
+    if types == (object,):
+        return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    is_number = bool not in types and isinstance(value, bool)
+    return value if isinstance(value, types) and not is_number else None
+
 
 #: maximum number of rows in memory
 _ROWS = 1000

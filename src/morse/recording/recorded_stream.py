@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.values import Fields, Value
     from morse.recording.fields.columns import Rows
-    from morse.recording.fields.values import Keeper
+    from morse.recording.fields.messages import Keeper
     from morse.recording.streams import RecordedStreams
     from morse.rosmsgs.topics.stream import Sending
 

@@ -11,11 +11,10 @@ import numpy as np
 
 from morse.core.exceptions import MorseError
 from morse.recording.disk import CHUNK
-from morse.recording.fields.kept_poses import KeptPoses
 from morse.recording.fields.kept_rows import KeptRows
-from morse.recording.fields.values import Keeper
-from morse.recording.mcap.chunks import Messages
-from morse.recording.motion import Motion
+from morse.recording.fields.messages import Keeper
+from morse.recording.fields.poses import KeptPoses, Motion
+from morse.recording.mcap.writer import Messages
 from morse.rosmsgs.definitions import definition
 from morse.rosmsgs.names import ROS2_MANAGER, TOPIC_OPTIONS
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription

@@ -3,13 +3,12 @@
 Scenes without cameras do not import this package.
 """
 
-from morse.rendering import flow, pixel_noise, things, warp  # noqa: F401 (cameras use them from the first image on)
+from morse.rendering import distortion, flow, pixel_noise, things  # noqa: F401 (cameras use them from the first image on)
 from morse.rendering.distortion import DistortedLens
-from morse.rendering.lens import Lens
-from morse.rendering.motion import Motion
+from morse.rendering.lens import Lens, Motion
 from morse.rendering.photograph import photograph
 from morse.rendering.picture import Picture
 from morse.rendering.renderer import Renderer
-from morse.rendering.request import CameraRequest
+from morse.rendering.requests import CameraRequest
 
 __all__ = ["CameraRequest", "DistortedLens", "Lens", "Motion", "Picture", "Renderer", "photograph"]

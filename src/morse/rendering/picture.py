@@ -1,8 +1,8 @@
-"""Images of cameras."""
+"""Images of cameras: complete, or drawn later."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     import numpy as np
@@ -41,3 +41,24 @@ class Picture(NamedTuple):
     def rgb(self) -> NDArray[np.uint8] | None:
         """(H, W, 3) uint8, the colours without opacity; shares the memory of `rgba`."""
         return None if self.rgba is None else self.rgba[..., :3]
+
+
+# Images that are complete, or will be.
+
+
+class Shot(Protocol):
+    """An image that is complete, or will be."""
+
+    def picture(self) -> Picture:
+        """Return the image, and wait until it is complete; raise the error that has ended its rendering."""
+
+
+class Finished:
+    """An image that is complete."""
+
+    def __init__(self, picture: Picture) -> None:
+        self._picture = picture
+
+    def picture(self) -> Picture:
+        """Return the image."""
+        return self._picture

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from morse.rendering.light_codes import LIGHT, encoded
+from morse.rendering.textures import LIGHT, encoded
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

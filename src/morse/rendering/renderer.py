@@ -11,10 +11,9 @@ import numpy.random  # noqa: F401 (numpy imports it at its first use)
 from PIL import Image as Pillow
 
 from morse.rendering.contents import MeshStore
-from morse.rendering.orders import order_of
-from morse.rendering.request import CameraRequest
-from morse.rendering.shot import Finished
-from morse.rendering.stage import Stage
+from morse.rendering.painter import Stage
+from morse.rendering.picture import Finished
+from morse.rendering.requests import CameraRequest, order_of
 from morse.rendering.textures import TextureStore
 
 if TYPE_CHECKING:
@@ -24,11 +23,9 @@ if TYPE_CHECKING:
     from morse.physics import World
     from morse.rendering.contents import Contents
     from morse.rendering.lens import Lens
-    from morse.rendering.orders import Order
     from morse.rendering.painter import Instant
-    from morse.rendering.picture import Picture
-    from morse.rendering.request import Placed
-    from morse.rendering.shot import Shot
+    from morse.rendering.picture import Picture, Shot
+    from morse.rendering.requests import Order, Placed
     from morse.rendering.workers import ImagePool
 
 #: maximum number of ticks whose images are not complete, which limits the memory for their poses

@@ -8,7 +8,7 @@ import numpy as np
 
 from morse.kernel.drawing.arrays import DITHERED, MASKED, MOVES, Poses
 from morse.mathutils.portable import matmul
-from morse.rendering.motion import moved
+from morse.rendering.lens import moved
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

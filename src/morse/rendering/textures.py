@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image as Picture
 
-from morse.kernel.drawing.arrays import TEXTURE
+from morse.kernel.drawing.arrays import ENCODED, TEXTURE
 from morse.mathutils.light import linear_light
 from morse.system.pictures import load_readers, open_picture
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.scene import Image
+
 
 logger = logging.getLogger(__name__)
 # textures may be read within a tick, when there may be no file descriptor left
@@ -147,3 +148,16 @@ def _checkered() -> NDArray[np.uint8]:
     pixels = np.full((16, 16, 4), 255, np.uint8)
     pixels[(x + y) % 2 == 1] = (255, 0, 255, 255)
     return pixels
+
+
+# Conversion between sRGB values and linear light.
+
+#: (256,) float32, the light of each code, 0 to 1
+LIGHT = LINEAR.astype(np.float32)
+_STEPS = np.float32(len(ENCODED) - 1)
+
+
+def encoded(light: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Convert linear light to sRGB values; light is clipped to 0..1."""
+    steps = np.clip(light, np.float32(0), np.float32(1)) * _STEPS + np.float32(0.5)
+    return np.asarray(ENCODED[steps.astype(np.intp)], np.uint8)

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from morse.core.reports.faults import summary
-from morse.rendering.camera_memory import CameraMemory
 from morse.rendering.picture import Picture
+from morse.rendering.requests import CameraMemory
 from morse.scene.image_workers import RAY
 from morse.system.ray_cluster import RayExecutor
 from morse.system.workers import Server, Worker, WorkerError, WorkerPool, serve_program
@@ -28,10 +28,9 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from morse.rendering.lens import Lens
-    from morse.rendering.orders import Order
-    from morse.rendering.painter import Instant, Painter
-    from morse.rendering.shot import Shot
-    from morse.rendering.stage import Stage
+    from morse.rendering.painter import Instant, Painter, Stage
+    from morse.rendering.picture import Shot
+    from morse.rendering.requests import Order
 
 #: number of workers that may die over one image
 _ATTEMPTS = 3

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from morse.core.sensor import Pose
     from morse.core.values import Fields, StateData
     from morse.rendering import Lens, Picture
-    from morse.rendering.shot import Shot
+    from morse.rendering.picture import Shot
     from morse.scene.realism import RealismModel
     from morse.sensors.camera import Camera
 
@@ -81,7 +81,7 @@ class Exposure:
             StateError: the state is not that of an image.
         """
         from morse.rendering import Picture
-        from morse.rendering.shot import Finished
+        from morse.rendering.picture import Finished
 
         if set(state["picture"]) != set(_stored(uses)):
             raise StateError("the saved state is damaged: an image lacks fields")

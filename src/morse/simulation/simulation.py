@@ -26,7 +26,7 @@ from morse.simulation.offering import offer_services
 from morse.simulation.ownership import Ownership
 from morse.simulation.pictures import SimulationPictures
 from morse.simulation.population import Population
-from morse.simulation.recordings.recorded import Recorded
+from morse.simulation.recordings.recorders import Recorded
 from morse.simulation.states.saving import Saving
 from morse.simulation.states.state import State
 from morse.simulation.ticks.loop import Loop

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from morse.testing.daemon import Daemon
+from morse.testing.process import Daemon
 from morse.testing.testcase import MorseTestCase
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from urllib.parse import urlsplit
 
-from morse.testing.daemon import Daemon
+from morse.testing.process import Daemon
 from morse.testing.testcase import MorseTestCase
 
 _PORT = 11311

@@ -2,8 +2,15 @@
 
 from morse.testing.exceptions import MorseTestingError
 from morse.testing.follow import follow
-from morse.testing.runner import MorseSwitchTimeMode, MorseTestRunner, main
-from morse.testing.testcase import MorseBuilderFailureTestCase, MorseMoveTestCase, MorseTestCase, testlogger
+from morse.testing.testcase import (
+    MorseBuilderFailureTestCase,
+    MorseMoveTestCase,
+    MorseSwitchTimeMode,
+    MorseTestCase,
+    MorseTestRunner,
+    main,
+    testlogger,
+)
 
 __all__ = [
     "MorseBuilderFailureTestCase",

@@ -21,10 +21,8 @@ from morse.core.clients.web_connections import NO_PLACE
 from morse.core.clients.web_ports import serve_on
 from morse.core.reports.faults import describe
 from morse.viewer import page_messages as pm
-from morse.viewer.control_lock import ControlLock
-from morse.viewer.page import Page
+from morse.viewer.page import MOST_REQUESTS, ControlLock, Page, PageLeft, Requests
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
-from morse.viewer.requests import MOST_REQUESTS, PageLeft, Requests
 from morse.viewer.site import Site, refuse
 from morse.viewer.view_messages import OF_COMPONENTS, Answer, Refused, Welcome
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import logging
 import math
+import os
+import sys
 import time
 import webbrowser
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.clients.complaints import Complaints
@@ -15,29 +17,16 @@ from morse.core.observer import Observer
 from morse.core.reports.faults import class_name, place, summary
 from morse.core.reports.quoting import short
 from morse.viewer import page_messages as page
-from morse.viewer.display import has_display
+from morse.viewer.describe import appearances, moving_nodes, pictured
 from morse.viewer.editor.editor import Editor
-from morse.viewer.feeds.clouds import ViewClouds
-from morse.viewer.feeds.debug_properties import ViewDebug
-from morse.viewer.feeds.frustums import ViewFrustums
-from morse.viewer.feeds.log import LogFeed, printable
-from morse.viewer.feeds.overlays import ViewOverlays
-from morse.viewer.feeds.pictures import PicturesFeed
-from morse.viewer.feeds.rays import ViewRays
-from morse.viewer.feeds.recordings import RecordingsFeed
-from morse.viewer.feeds.sounds import SoundsFeed
-from morse.viewer.feeds.states import StatesFeed
-from morse.viewer.feeds.tree import component_tree, keyboard_robots
-from morse.viewer.feeds.values import ValuesFeed
-from morse.viewer.inputs.commands import Commands
-from morse.viewer.inputs.history import Rewinder
-from morse.viewer.inputs.service_calls import ServiceCalls
-from morse.viewer.looks import appearances, moving_nodes, pictured
+from morse.viewer.feeds.components import StatesFeed, ValuesFeed, ViewDebug, component_tree, keyboard_robots
+from morse.viewer.feeds.log import LogFeed, RecordingsFeed, printable
+from morse.viewer.feeds.sensors import PicturesFeed, SoundsFeed, ViewClouds, ViewFrustums, ViewOverlays, ViewRays
 from morse.viewer.notebook import Frame, frame, proxy_token
-from morse.viewer.requests import PageLeft
+from morse.viewer.page import PageLeft
+from morse.viewer.page_inputs import Commands, Rewinder, ServiceCalls
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import Snapshot
-from morse.viewer.titles import title_of
 from morse.viewer.view_messages import Answer, FileMistake, Listening, Pace, Refused, SavedFiles, Tree, Viewpoint
 
 if TYPE_CHECKING:
@@ -50,6 +39,27 @@ if TYPE_CHECKING:
     from morse.scene import Image
     from morse.simulation.simulation import Simulation
     from morse.simulation.watching.edits import Edits
+
+
+# Titles of pages.
+
+#: names of scripts that say nothing: the name of the folder does
+_COMMON = ("default", "scene", "main", "__main__")
+
+
+def title_of(script: str, environment: str) -> str:
+    """The name of the project of a scene script, or that of the script; without a script, that of the environment."""
+    path = Path(script) if script else Path()
+    name = path.absolute().parent.name if path.stem in _COMMON else path.stem
+    return name or environment or "MORSE"
+
+
+# Whether this machine can show a window.
+
+
+def has_display() -> bool:
+    """Whether a browser window can be opened here."""
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 class Moving:

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 from morse.recording.fields.reading import RecordedFields
 from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 from morse.viewer import page_messages as page
-from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
-from morse.viewer.feeds.recorded_values import RecordedValuesFeed
-from morse.viewer.feeds.recorded_world import cast_wished_rays
+from morse.viewer.feeds.recorded import RecordedPicturesFeed, RecordedValuesFeed, cast_wished_rays
 from morse.viewer.live_view import View
-from morse.viewer.requests import PageLeft
+from morse.viewer.page import PageLeft
 from morse.viewer.view_messages import History, Refused
 
 if TYPE_CHECKING:
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.recording.recording import Recording
-    from morse.simulation.recordings.timeline import Timeline
+    from morse.simulation.recordings.recorded_timeline import Timeline
     from morse.simulation.simulation import Simulation
 
 #: maximum number of positions of the time line

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from morse.core.realism import copied
 from morse.core.rows.lazy_data import present_data
 from morse.viewer import page_messages as page
-from morse.viewer.feeds.recorded_world import cast_wished_rays
+from morse.viewer.feeds.recorded import cast_wished_rays
 from morse.viewer.live_view import View
-from morse.viewer.requests import PageLeft
+from morse.viewer.page import PageLeft
 from morse.viewer.view_messages import Refused
 
 if TYPE_CHECKING:

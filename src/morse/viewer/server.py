@@ -12,12 +12,11 @@ from urllib.parse import quote
 
 from morse.core.clients.web_access import Access, is_loopback
 from morse.system import OF_MACHINE
-from morse.viewer.asset_store import AssetStore
 from morse.viewer.describe import describe, world_key
 from morse.viewer.hub import Hub, Wishes
 from morse.viewer.page_messages import Drag, DragEnd
 from morse.viewer.protocol import encode_json, encode_server_message
-from morse.viewer.site import File
+from morse.viewer.site import AssetStore, File
 from morse.viewer.snapshot import pack_snapshot
 from morse.viewer.view_messages import Answer, World
 

@@ -6,8 +6,10 @@ from typing import Any, ClassVar, Literal
 
 from msgspec import Struct
 
-from morse.viewer.component_description import ComponentDescription  # noqa: TC001 (msgspec reads it)
-from morse.viewer.description import LightDescription  # noqa: TC001 (msgspec reads it)
+from morse.viewer.description import (
+    ComponentDescription,  # noqa: TC001 (msgspec reads it)
+    LightDescription,  # noqa: TC001 (msgspec reads it)
+)
 from morse.viewer.page_messages import snake_case
 
 Subject = tuple[str, ...]

@@ -15,7 +15,7 @@ import numpy as np
 
 from morse.core.state import StateError
 from morse.recording.errors import RecordingError
-from morse.recording.fields.values import Keeper, Written
+from morse.recording.fields.messages import Keeper, Written
 from morse.system.packed_keys import check_keys
 
 if TYPE_CHECKING:

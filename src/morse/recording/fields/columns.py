@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.recording.fields.values import NUMBERS, Written
+from morse.recording.fields.messages import NUMBERS, Written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.values import Fields
-    from morse.recording.fields.values import Keeper
+    from morse.recording.fields.messages import Keeper
 
 #: number of values of a row in the flat list
 _STRIDE = 3

@@ -2,27 +2,169 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import json
+from bisect import bisect_right
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotation_rows import quaternions_from_rotations
 from morse.mathutils.rotations import product, turn_back
+from morse.physics.poses.pose_rows import PoseRows
 from morse.recording.fields.messages import Batch
-from morse.rosmsgs.cdr import encode_rows
+from morse.rosmsgs.cdr import encode, encode_rows
 from morse.rosmsgs.names import MAP
-from morse.rosmsgs.parts import header_at, time, xyzw
+from morse.rosmsgs.parts import header_at, quaternion, quaternion_of, time, xyz, xyzw
+from morse.rosmsgs.table import Qos
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
+    from morse.core.context import Context
     from morse.core.values import Fields
-    from morse.physics.poses.pose_rows import Numbers, PoseRows
+    from morse.core.world import Body
+    from morse.physics.poses.pose_rows import Numbers
+    from morse.recording.streams import Tape
     from morse.rosmsgs.moving import MovingFrame
+    from morse.rosmsgs.topics.backend import Backend
+    from morse.rosmsgs.topics.transforms import Transforms
 
-CLOCK_TYPE, FRAMES_TYPE, POSES_TYPE = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage", "geometry_msgs/msg/PoseArray"
+
+# Poses and appearance of everything that moves or changes, so that a run can be shown without simulating it.
+
+POSES, NODES, LOOKS = "/morse/poses", "/morse/nodes", "/morse/appearance"
+TOPICS = (POSES, NODES, LOOKS)
+POSES_TYPE, TEXT_TYPE = "geometry_msgs/msg/PoseArray", "std_msgs/msg/String"
+
+
+class Motion:
+    """Publishes the poses of all moving nodes in the world in every tick, their names, and changes of appearance.
+
+    Attributes:
+        repainted: objects whose appearance has changed since the last `publish_looks`.
+
+    Args:
+        context: of the simulation.
+        backend: receives the messages.
+    """
+
+    def __init__(self, context: Context, backend: Backend) -> None:
+        self._world = context.world
+        self._poses = backend.publisher(POSES, POSES_TYPE, Qos(100))
+        self._nodes = backend.publisher(NODES, TEXT_TYPE, Qos(1, latched=True))
+        self._looks = backend.publisher(LOOKS, TEXT_TYPE, Qos(1000))
+        self.repainted: set[Any] = set()
+        self._last_looks: dict[str, Any] = {}
+        self._names: list[str] | None = None
+        self._world.repaint_sinks.append(self.repainted.add)
+        self.follow()
+
+    def close(self) -> None:
+        """Stop observing the world."""
+        if self.repainted.add in self._world.repaint_sinks:
+            self._world.repaint_sinks.remove(self.repainted.add)
+
+    def follow(self) -> None:
+        """The objects may have changed."""
+        self._layout = -1
+        self._objects: list[Any] = []
+        self._is_new = True
+
+    # -- a tick ------------------------------------------------------------------------------
+
+    def publish(self, stamp: int) -> None:
+        """Publish the poses, and what has changed, encoded in the tick.
+
+        Args:
+            stamp: simulated time, ns.
+        """
+        self.renew()
+        self.publish_looks()
+        if self._poses is not None:
+            self._poses.publish(self.message(stamp))
+
+    @property
+    def channel(self) -> int:
+        """The id of the channel of poses in the file; -1 if they are not in a file."""
+        return getattr(self._poses, "number", -1)
+
+    def renew(self) -> list[object]:
+        """Publish the names of the nodes if they have changed, and return their objects."""
+        world = self._world
+        if world.layout != self._layout or self._is_new:
+            self._layout = world.layout
+            self._name_nodes()
+        if self._is_new:
+            self._is_new = False
+            # restored objects do not report their appearance
+            self.repainted.update(world.objects())
+        return self._objects
+
+    def _name_nodes(self) -> None:
+        world = self._world
+        nodes = [node for node, _ in world.moving_nodes()]
+        self._objects = [world.object_of(node) for node in nodes]
+        self._snapshots = world.snapshots(self._objects)
+        names = [node.name for node in nodes]
+        if self._nodes is not None and names != self._names:
+            self._names = names
+            self._nodes.publish(encode(TEXT_TYPE, {"data": json.dumps(names)}))
+
+    def message(self, stamp: int) -> bytes:
+        """Return the message of the present poses, encoded in the tick."""
+        snapshot, origin = self._snapshots.now(), Transformation3d()
+        poses = []
+        for row in range(len(snapshot.slots)):
+            pose = Transformation3d()
+            pose.set_pose(*snapshot.pose(row))
+            relative = origin.transformation3d_with(pose)
+            poses.append(
+                {
+                    "position": xyz((relative.x, relative.y, relative.z)),
+                    "orientation": quaternion(quaternion_of(relative)),
+                }
+            )
+        return encode(POSES_TYPE, {"header": header_at(stamp, MAP), "poses": poses})
+
+    # -- appearance --------------------------------------------------------------------------
+
+    def publish_looks(self) -> None:
+        """Publish the appearance of the objects that have changed."""
+        if not self.repainted:
+            return
+        looks = []
+        for obj in sorted((one for one in self.repainted if not one.invalid), key=lambda one: str(one.name)):
+            look = look_of(obj)
+            if self._last_looks.get(obj.name) != look:
+                self._last_looks[obj.name] = look
+                looks.append({"name": obj.name, **look})
+        self.repainted.clear()
+        if looks and self._looks is not None:
+            self._looks.publish(encode(TEXT_TYPE, {"data": json.dumps(looks)}))
+
+
+def look_of(obj: Body) -> dict[str, Any]:
+    """The appearance of an object that can change while the simulation runs."""
+    node, light = obj.node, obj.node.light
+    return {
+        "visible": bool(obj.visible),
+        "color": None if node.color is None else [float(value) for value in node.color],
+        "light": None
+        if light is None
+        else {
+            "color": [float(value) for value in light.color],
+            "energy": float(light.energy),
+            "distance": float(light.distance),
+            "spot_size": float(light.spot_size),
+        },
+    }
+
+
+CLOCK_TYPE, FRAMES_TYPE = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage"
 
 
 class Channels(NamedTuple):
@@ -126,3 +268,86 @@ def _each(numbers: Numbers) -> list[list[NDArray[np.float64]]]:
 
 def _named(axes: str, numbers: Sequence[NDArray[np.float64]]) -> Fields:
     return dict(zip(axes, numbers, strict=True))
+
+
+# Keeps the poses of the engine in each tick.
+
+#: number of values of a tick in the flat list
+_POSE_STRIDE = 5
+
+
+class KeptPoses:
+    """Keeps the poses of all rigid groups; simulated time, frames and poses of nodes follow from them.
+
+    Args:
+        context: of the simulation.
+        tape: receives messages when the nodes have changed.
+        transforms: the tree of frames.
+        motion: names the nodes, and publishes changes of their appearance.
+        clock, frames: ids of the channels of time and frames.
+
+    Attributes:
+        has_frames: whether all frames follow from poses.
+    """
+
+    def __init__(
+        self, context: Context, tape: Tape, transforms: Transforms, motion: Motion, clock: int, frames: int
+    ) -> None:
+        self._clock, self._world, self._tape = context.clock, context.world, tape
+        self._transforms, self.motion = transforms, motion
+        self._channels = Channels(clock, frames, motion.channel)
+        self.has_frames = False
+        self._rows: list[Any] = []
+        self.follow()
+
+    def follow(self) -> None:
+        """The objects may have changed."""
+        self._displacements = self._layout = -1
+        self._mountings: list[object] = []
+        self._objects: list[Any] = []
+        self._world_so_far: World | None = None
+
+    def keep(self) -> bool:
+        """Keep the poses of the present tick; return False if the frames or the nodes have changed."""
+        world, is_same = self._world, True
+        if self._transforms.changed or world.layout != self._layout or self._world_so_far is None:
+            self._renew()
+            is_same = False
+        if world.displacements != self._displacements:
+            self._displacements = world.displacements
+            mountings = [obj.mounting for obj in self._objects]
+            # most objects that are moved are none of these, such as the bones of an arm
+            if mountings != self._mountings:
+                self._mountings = mountings
+        positions, rotations = world.positions, world.rotations
+        self._rows += (self._clock.tick, self._world_so_far, self._mountings, positions.share(), rotations.share())
+        self._tape.held += 96 * len(positions)
+        return is_same
+
+    def _renew(self) -> None:
+        world, stamp = self._world, self._clock.stamp()
+        if self._transforms.changed:
+            # only the fixed frames are sent, and the moving ones found
+            self._transforms.publish(stamp, wanted=False)
+        nodes = self.motion.renew()
+        self._layout = world.layout
+        frames = self._transforms.plain()
+        self.has_frames = frames is not None
+        self._world_so_far, self._objects = world_of(self._channels, nodes, frames)
+        self._displacements = -1
+
+    def batches(self, until: int, times: Callable[[NDArray[np.int64]], NDArray[np.int64]]) -> Iterator[Batch]:
+        """See `RecordedStream.batches`."""
+        some = self._rows[:]
+        count = bisect_right(some[::_POSE_STRIDE], until)
+        del self._rows[: _POSE_STRIDE * count]
+        numbers, *columns = (some[k : _POSE_STRIDE * count : _POSE_STRIDE] for k in range(_POSE_STRIDE))
+        every = np.array(numbers, dtype=np.int64)
+        # compared without a function of Python for each tick: the simulation would wait for it
+        keys = list(zip(map(id, columns[0]), map(len, columns[2]), strict=True))
+        for _, group in groupby(range(count), keys.__getitem__):
+            places = list(group)
+            part = slice(places[0], places[-1] + 1)
+            worlds, mountings, positions, rotations = (column[part] for column in columns)
+            poses = PoseRows.of(positions, rotations, mountings)
+            yield from worlds[0].of(every[part], self._clock.stamps_of(every[part]), poses)

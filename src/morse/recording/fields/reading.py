@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.recording.fields import COMPONENT, FIELDS, FIELDS_TYPE
 from morse.recording.fields.blocks import ReadBlock
-from morse.recording.history import History
+from morse.recording.recording import History
 from morse.rosmsgs.cdr import CdrError, decode
 
 if TYPE_CHECKING:

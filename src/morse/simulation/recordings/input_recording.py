@@ -15,7 +15,7 @@ from morse.core import status
 from morse.core.journal import CALL, CANCEL, COMMAND, CONTROLS, OUTCOME, REBIRTHS, RESET, RESTORE, SERVICE, SPAWN, Entry
 from morse.core.reports.quoting import short
 from morse.core.state import NoReferences, Reader, StateError, Writer
-from morse.simulation.states.own_state import InputsState
+from morse.simulation.states.saving import InputsState
 from morse.simulation.states.state import State
 from morse.system.packed_keys import check_keys
 from morse.system.regular_files import read_regular

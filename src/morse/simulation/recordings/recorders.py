@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import json
 import logging
 import os
 import platform
+import shlex
+import stat
+import tempfile
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
+from morse.core import status
 from morse.core.classes.project_imports import ProjectImports
+from morse.core.context import acting
+from morse.core.journal import OUTCOME, RESET, RESTORE
+from morse.core.observer import SHOWN, Observer
 from morse.core.reports.hints import nearest
 from morse.core.state import StateError
 from morse.kernel import processor
@@ -24,18 +33,22 @@ from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recorder import BEGINNING, END, FORMAT, MEDIA_TYPE, PRESENT, Beginning, Recorder
 from morse.rosmsgs.definitions import definition
-from morse.simulation.recordings.input_recording import entry_to_bytes, waiting_to_bytes
-from morse.simulation.states.own_state import InputsState
+from morse.simulation.recordings.input_recording import InputRecorder, entry_to_bytes, kept, waiting_to_bytes
+from morse.simulation.recordings.replaying import Replay
+from morse.simulation.states.saving import InputsState
 from morse.system.regular_files import read_regular
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from io import FileIO
 
     from morse.core.journal import Entry
+    from morse.simulation.recordings.input_recording import InputRecording
     from morse.simulation.running import Running
+    from morse.simulation.states.saving import Saving
     from morse.simulation.states.state import State
+
 
 logger = logging.getLogger(__name__)
 
@@ -187,3 +200,246 @@ def _version(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return ""
+
+
+# Keeps the data for simulating the last seconds before a failure again.
+
+#: maximum number of inputs; with more inputs, the time before the failure is shorter
+_MOST_INPUTS = 100_000
+#: interval of retries for a simulation whose state cannot be saved, ticks
+_NEVER = 2**62
+#: maximum number of files of one run
+_MOST_FILES = 3
+
+
+#: maximum number of files of all runs of a user; a new file replaces the oldest one
+_MOST_OF_USER = 10
+_PREFIX, _SUFFIX = "morse-failure-", ".mcap"
+
+
+class _Segment(NamedTuple):
+    """The time from one state to the next.
+
+    Attributes:
+        start: the state at the beginning; None for the state after the launch, or after a reset.
+        seed: seed of the random numbers.
+        life: number of restarts before.
+        entries: the inputs since then.
+    """
+
+    start: State | None
+    seed: int
+    life: int
+    entries: list[Entry]
+
+
+class FlightRecorder(Observer):
+    """Keeps states and inputs; after a failure they are written to a file, whose name is logged.
+
+    With the scene, a state and the inputs after it determine the run: ``morse replay FILE --resimulate`` simulates the
+    seconds before the failure again, any number of times.
+
+    Args:
+        simulation: the simulation.
+        span: minimum number of simulated seconds before a failure, if the run was long enough.
+    """
+
+    def __init__(self, simulation: Running, span: float) -> None:
+        self._simulation = simulation
+        # with three states or more, at least two whole segments have passed
+        self._every = max(1, round(span / 2 * simulation.clock.frequency))
+        self._segments: list[_Segment] = []
+        self._reports: set[str] = set()
+        self._files = 0
+        #: number of the last state that was restored
+        self._restored = -1
+        self._begin_anew()
+        simulation.journal.sinks.append(self._take)
+
+    def _take(self, entry: Entry) -> None:
+        if entry.kind == RESET:
+            return
+        if entry.kind == RESTORE:
+            self._restored, self._anew = entry.order, True  # the next segment begins there
+        elif entry.kind == OUTCOME and entry.content[:2] == (self._restored, status.FAILED):
+            self._anew = False
+        segment = self._segments[-1]
+        segment.entries.append(kept(entry))
+        if len(segment.entries) >= _MOST_INPUTS // 2:
+            self._full = True
+
+    def _begin_anew(self) -> None:
+        self._segments.clear()
+        self._add()
+
+    def _add(self) -> None:
+        simulation = self._simulation
+        self._full = self._anew = False
+        self._began = simulation.ticks
+        try:
+            start = None if simulation.is_new else simulation.silent_state()
+        except StateError as error:
+            logger.debug("the last seconds before a failure cannot be saved: %s", error)
+            self.close()
+            self._segments.clear()
+            self._every = _NEVER
+            return
+        self._segments = [*self._segments[-2:], _Segment(start, simulation.seed(), simulation.journal.life, [])]
+
+    def after_tick(self) -> None:
+        """Save a state if one is due; check whether a component has failed."""
+        failures = self._simulation.context.failed
+        if len(failures) > len(self._reports):
+            names = ", ".join(sorted(failures - self._reports))
+            self._reports = set(failures)
+            self.write(f"{names} failed", self._simulation.ticks)
+        if self._simulation.ticks - self._began >= self._every or self._full:
+            self._add()
+
+    def restarted(self) -> None:
+        """The simulation was restarted: time begins at 0."""
+        self._reports.clear()
+        self._begin_anew()
+
+    def edited(self) -> None:
+        """A class was replaced: earlier ticks cannot be simulated again."""
+        self._begin_anew()
+
+    def rearranged(self) -> None:
+        """Called when another state was restored, or objects were added or removed."""
+        if self._anew and not self._simulation.journal.rebirths:
+            self._begin_anew()
+
+    def write(self, failure: str, last: int) -> str | None:
+        """Write a file, and log its name.
+
+        Args:
+            failure: description of the failure.
+            last: the tick in which it failed.
+
+        Returns:
+            The path; None if there are enough files, or if it cannot be written.
+        """
+        if self._files >= _MOST_FILES or not self._segments:
+            return None
+        self._files += 1
+        first = self._segments[0]
+        entries = [entry for segment in self._segments for entry in segment.entries]
+        ticks = last - (first.start.tick if first.start is not None else 0)
+        try:
+            # on demand, because it imports the messages of ROS
+            handle, path = tempfile.mkstemp(prefix=_PREFIX, suffix=_SUFFIX)
+            with open(handle, "wb", buffering=0) as file:
+                write_inputs(file, self._simulation, first.start, first.seed, first.life, entries, last, failure)
+        except (OSError, ImportError) as error:  # without file descriptors, a module is not found
+            reason = getattr(error, "strerror", None) or error
+            logger.warning("the last seconds before the failure cannot be saved: %s", reason)
+            return None
+        _remove_old(path)
+        span = _span(ticks, ticks / self._simulation.clock.frequency)
+        script = self._script()
+        command = f"morse replay {path} --resimulate{script}"
+        # the failure itself is what a page announces
+        logger.error("[ERROR][MORSE] %s in %s: %s", span, path, command, extra={SHOWN: True})
+        return path
+
+    def _script(self) -> str:
+        """The option that permits `morse replay` to execute the scene script."""
+        options = self._simulation.options
+        if options.arguments:  # only those of a trusted file are used
+            return " --trust"
+        return f" --scene {shlex.quote(os.path.abspath(options.script))}" if options.script else " --scene SCRIPT"
+
+    def close(self) -> None:
+        """The end of the simulation."""
+        if self._take in self._simulation.journal.sinks:
+            self._simulation.journal.sinks.remove(self._take)
+
+
+def _span(ticks: int, seconds: float) -> str:
+    if seconds >= 1.0:
+        return f"the last {seconds:.0f} s before the failure are"
+    return f"the last {ticks} ticks before the failure are" if ticks > 1 else "the tick of the failure is"
+
+
+def _remove_old(path: str) -> None:
+    """Remove the oldest files of the user in the folder of a new file."""
+    files: list[tuple[float, Path]] = []
+    for other in Path(path).parent.glob(f"{_PREFIX}*{_SUFFIX}"):
+        with contextlib.suppress(OSError):
+            facts = other.lstat()
+            is_own = not hasattr(os, "getuid") or facts.st_uid == os.getuid()
+            if is_own and stat.S_ISREG(facts.st_mode) and other != Path(path):
+                files.append((facts.st_mtime, other))
+    for _, other in sorted(files)[: max(len(files) + 1 - _MOST_OF_USER, 0)]:
+        # another run may have removed it, or may read it
+        with contextlib.suppress(OSError):
+            other.unlink()
+
+
+# Recordings of a simulation: its inputs in memory, the whole run in files.
+
+
+class Recorded:
+    """The part of `morse.simulation.simulation.Simulation` that records and replays.
+
+    Attributes:
+        recorders: the active recordings in files.
+        flight_recorder: keeps the last seconds before a failure, or None.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._saving: Saving
+        self.recorders: list[Recorder] = []
+        self.flight_recorder: FlightRecorder | None = None
+
+    def record(self: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
+        """Record the run in an MCAP file: sensors, frames, log, and all inputs.
+
+        The recording continues until `Recorder.stop`, the end of a ``with`` block, or the end of the simulation.
+
+        Args:
+            path: path of the file, which must not exist.
+            sensors: full names of the recorded sensors; None for all, empty for only inputs and the log.
+
+        Raises:
+            RecordingError: the file exists or cannot be written, or there is no such sensor.
+        """
+        self._check_open()
+        with acting(self.context):
+            return start_recording(self, path, sensors)
+
+    def silent_state(self) -> State:
+        """The complete state, as from `save`, without warnings about values that cannot be saved."""
+        return self._saving.save(tell=False)
+
+    def end_recordings(self) -> None:
+        """Complete the files of all recordings; errors are logged."""
+        for recorder in list(self.recorders):
+            recorder.close()
+
+    def record_inputs(self: Running) -> InputRecorder:
+        """Record all inputs from now on; see `replay`."""
+        return InputRecorder(self)
+
+    def replay(
+        self: Running,
+        recording: InputRecording,
+        each_tick: Callable[[], object] | None = None,
+        *,
+        results: bool = True,
+    ) -> None:
+        """Replay a recording from its beginning to its end, bit for bit.
+
+        Args:
+            recording: recording of a simulation of the same scene.
+            each_tick: callback, called after every tick.
+            results: whether the results of services have to be the same.
+
+        Raises:
+            StateError: the recording belongs to another scene, or an input does not fit the run: it has another
+                outcome, for example.
+        """
+        self._check_open()
+        Replay(self, recording, results=results).run(each_tick)

@@ -29,7 +29,7 @@ from morse.core.reports.faults import summary
 from morse.core.reports.quoting import shown
 from morse.core.state import StateError
 from morse.simulation.recordings.input_recording import ReplayError, shown_entry
-from morse.simulation.states.own_state import InputsState
+from morse.simulation.states.saving import InputsState
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
+import sys
+from enum import Enum
+from pathlib import Path
+from types import FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-from morse.core.context import acting
+import msgspec
+
+from morse.core.actuator import Actuator
+from morse.core.context import Controls, acting
 from morse.core.datastream import DatastreamManager
 from morse.core.modifier import AbstractModifier
 from morse.core.object import Object
@@ -14,9 +22,11 @@ from morse.core.overlay import MorseOverlay
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.state import NoReferences, Reader, StateError, Writer
 from morse.core.state.kinds import is_of_morse
-from morse.simulation.states.own_state import ClockState, ControlsState, InputsState, check_population
+from morse.core.streams.pending_commands import PendingCommands
+from morse.core.validation.commands import Commands
+from morse.core.validation.errors import CommandError
+from morse.physics import GameObject
 from morse.simulation.states.state import State
-from morse.simulation.states.state_parts import StateParts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -24,6 +34,271 @@ if TYPE_CHECKING:
     from morse.core.values import StateData
     from morse.core.world import World
     from morse.simulation.running import Holder, Running
+
+
+# Maps the parts of a simulation, and the variables of its project, to names in states and back.
+
+_PLAIN = (type(None), bool, int, float, complex, str, bytes, tuple, frozenset, ModuleType, Enum)
+
+
+class StateParts:
+    """See `morse.core.state.References`."""
+
+    def __init__(self, simulation: Running) -> None:
+        self._simulation = simulation
+        self._classes: dict[str, type] = {}
+        self._globals: dict[int, str] = {}
+        self._by_name: StateData = {}
+
+    def look_up(self) -> None:
+        """Look up the present values of the variables of the project."""
+        self._by_name = dict(self._variables())
+        self._globals = {id(value): name for name, value in reversed(self._by_name.items())}
+
+    # -- the simulation --------------------------------------------------------------------
+
+    def _fixed(self) -> StateData:
+        context = self._simulation.context
+        return {
+            "context": context,
+            "clock": context.clock,
+            "world": context.world,
+            "scene": context.scene,
+            "services": context.services,
+        }
+
+    def name_of(self, value: object) -> str | None:
+        """Return the name of a part, or None."""
+        if isinstance(value, GameObject):
+            return f"object {value.name}"
+        if isinstance(value, Object):
+            return f"component {value.name()}"
+        return next((name for name, part in self._fixed().items() if part is value), None)
+
+    def find(self, name: str) -> object:
+        """The part of that name."""
+        kind, _, rest = name.partition(" ")
+        context = self._simulation.context
+        part: Any = None
+        if kind == "object":
+            part = context.world.objects_by_name.get(rest)
+        elif kind == "component":
+            part = context.component(rest)
+        else:
+            part = self._fixed().get(name)
+        if part is None:
+            raise StateError(f"there is no {name!r:.80}")
+        return part
+
+    # -- the project -----------------------------------------------------------------------
+
+    def met_class(self, cls: type) -> None:
+        """Record a class whose objects are in the simulation."""
+        self._classes[f"{cls.__module__}:{cls.__qualname__}"] = cls
+
+    def global_name(self, value: object) -> str | None:
+        """Return ``module:NAME``, or ``module:Class.NAME``, if the object is the value of a variable of the project."""
+        return self._globals.get(id(value))
+
+    def find_global(self, name: str) -> object:
+        """Return the value of a variable of the project."""
+        if name not in self._by_name:
+            raise StateError(f"the project has no variable {name!r:.80}")
+        return self._by_name[name]
+
+    def find_class(self, path: str) -> type | None:
+        """Return a class of MORSE, of the project, or of a module in the same directory as a component of the scene."""
+        module_name, _, name = path.partition(":")
+        cls: Any = self._module(module_name)
+        for word in name.split("."):
+            cls = vars(cls).get(word) if isinstance(cls, (type, ModuleType)) else None
+        # names that a module has imported from elsewhere are ignored
+        if isinstance(cls, type) and (cls.__module__, cls.__qualname__) == (module_name, name):
+            return cls
+        return self._classes.get(path)
+
+    def _module(self, name: str) -> ModuleType | None:
+        own = getattr(self._simulation.scene.project, "module", lambda _name: None)(name)
+        if isinstance(own, ModuleType):
+            return own
+        module = sys.modules.get(name)
+        if name.startswith("morse.") or module is None:
+            return module
+        folder = _folder_of(module)
+        return module if folder is not None and folder in {_folder_of(m) for m in self._component_modules()} else None
+
+    def _component_modules(self) -> list[ModuleType]:
+        """Return the modules of the components of the user."""
+        context = self._simulation.context
+        project = getattr(self._simulation.scene.project, "module", lambda _name: None)
+        parts: list[object] = [*context.robots.values(), *context.components.values(), *context.overlays.values()]
+        parts += self._simulation.loaded.modifier_objects
+        names = {cls.__module__ for part in parts for cls in type(part).__mro__}
+        users = sorted(name for name in names if not name.startswith("morse.") and name not in sys.stdlib_module_names)
+        modules = [project(name) or sys.modules.get(name) for name in users]
+        return [module for module in modules if module is not None]
+
+    def _variables(self) -> Iterator[tuple[str, object]]:
+        """Iterate over the objects and functions that are variables of modules and classes of the project."""
+        own = list(getattr(self._simulation.scene.project, "own_modules", dict)().values())
+        modules = {id(module): module for module in [*own, *self._component_modules()]}
+        for module in modules.values():
+            for name, value in list(vars(module).items()):
+                if name.startswith("__") or isinstance(value, _PLAIN):
+                    continue
+                if isinstance(value, type):
+                    if value.__module__ == module.__name__:
+                        yield from _constants(value)
+                elif isinstance(value, FunctionType):
+                    if value.__module__ == module.__name__:
+                        yield f"{module.__name__}:{name}", value
+                elif not inspect.isroutine(value):
+                    yield f"{module.__name__}:{name}", value
+
+
+def _constants(cls: type) -> Iterator[tuple[str, object]]:
+    for name, value in list(vars(cls).items()):
+        if name.startswith("__") or isinstance(value, (*_PLAIN, type, property, staticmethod, classmethod)):
+            continue
+        if not inspect.isroutine(value) and not inspect.isdatadescriptor(value):
+            yield f"{cls.__module__}:{cls.__qualname__}.{name}", value
+
+
+def _folder_of(module: ModuleType) -> Path | None:
+    file = getattr(module, "__file__", None)
+    return Path(file).parent if isinstance(file, str) else None
+
+
+# The state of the simulation itself: clock, controls, pending commands, spawned and deleted objects.
+
+#: largest tick whose time is exact
+_LAST_TICK = 2**53
+
+
+class _Clock(msgspec.Struct, forbid_unknown_fields=True):
+    tick: int
+    seed: Any
+    origin: float = 0.0
+    robots: dict[str, int] = {}
+
+
+class _Controls(msgspec.Struct, forbid_unknown_fields=True):
+    keys: list[str]
+    axes: list[float]
+    robot: str | None
+
+
+class _Population(msgspec.Struct, forbid_unknown_fields=True):
+    came: list[tuple[str, str, list[float], list[float]]]
+    gone: list[str]
+
+
+def _converted(name: str, state: object, kind: type) -> Any:
+    try:
+        return msgspec.convert(state, kind)
+    except msgspec.ValidationError as error:
+        raise StateError(f"{name}: the saved state is damaged: {error}") from None
+
+
+def check_population(state: Any) -> StateData:
+    """Return the validated state of a population; raise `StateError` if it is not valid."""
+    _converted("population", state, _Population)
+    population: StateData = state
+    if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in population["came"]):
+        raise StateError("population: the saved state is damaged: a position and a rotation have 3 numbers")
+    return population
+
+
+class ClockState:
+    """Tick, seeds, and the time of tick 0."""
+
+    def __init__(self, simulation: Running) -> None:
+        self._simulation = simulation
+
+    def get_state(self) -> StateData:
+        """Number of ticks, the seed of all random numbers, and what is not usual: time of tick 0, seeds of robots."""
+        clock, context = self._simulation.clock, self._simulation.context
+        state: StateData = {"tick": clock.tick, "seed": context.seed}
+        if clock.origin:
+            state["origin"] = clock.origin
+        if context.robot_seeds:
+            state["robots"] = dict(context.robot_seeds)
+        return state
+
+    def check(self, state: object) -> None:
+        """Raise `StateError` if the state is not the state of a clock."""
+        values: _Clock = _converted("clock", state, _Clock)
+        if not 0 <= values.tick <= _LAST_TICK or type(values.seed) is not int:
+            raise StateError("clock: the saved state is damaged: it has no tick, or no seed")
+        if not 0.0 <= values.origin <= _LAST_TICK:
+            raise StateError("clock: the saved state is damaged: the time of its start is not a time")
+
+    def set_state(self, state: StateData) -> None:
+        """Restore a state that `get_state` returned."""
+        self._simulation.clock.go_to(state["tick"], state.get("origin", 0.0))
+        self._simulation.context.seed = state["seed"]
+        self._simulation.context.robot_seeds = dict(state.get("robots", {}))
+
+
+class ControlsState:
+    """Keyboard and gamepad input at the live view."""
+
+    def __init__(self, simulation: Running) -> None:
+        self._simulation = simulation
+
+    def get_state(self) -> StateData:
+        """Keys, axes and the selected robot."""
+        keys, axes, robot = self._simulation.context.controls
+        return {"keys": sorted(keys), "axes": list(axes), "robot": robot}
+
+    def check(self, state: object) -> None:
+        """Raise `StateError` if the state is not a state of controls."""
+        _converted("controls", state, _Controls)
+
+    def set_state(self, state: StateData) -> None:
+        """Restore a state that `get_state` returned."""
+        controls = Controls(frozenset(state["keys"]), tuple(state["axes"]), state["robot"])
+        self._simulation.context.controls = controls
+
+
+class InputsState:
+    """Commands that the actuators have not applied yet."""
+
+    def __init__(self, simulation: Running) -> None:
+        self._simulation = simulation
+
+    def get_state(self) -> dict[str, StateData]:
+        """Return the pending fields by name of the actuator."""
+        values = {}
+        for actuator in self._simulation.loaded.actuators:
+            fields: StateData = {}
+            for pending in PendingCommands.all_of(actuator):
+                fields |= pending.waiting
+            if fields:
+                values[actuator.name()] = fields
+        return values
+
+    def check(self, state: object) -> None:
+        """Raise `StateError` if the state does not contain commands."""
+        values = _converted("inputs", state, dict[str, dict[str, Any]])
+        actuators = {actuator.name(): actuator for actuator in self._simulation.loaded.actuators}
+        for name, fields in values.items():
+            if name not in actuators:
+                raise StateError(f"inputs: there is no actuator {name!r:.80}")
+            try:
+                Commands(actuators[name]).fitting(fields)
+            except CommandError as error:
+                raise StateError(f"inputs: {name}: {error}") from None
+
+    def set_state(self, state: dict[str, StateData]) -> None:
+        """Restore a state that `get_state` returned."""
+        for actuator in self._simulation.loaded.actuators:
+            pending = PendingCommands.all_of(actuator)
+            for each in pending:
+                each.forget()
+            if actuator.name() in state and isinstance(actuator, Actuator):
+                (pending[0] if pending else PendingCommands(actuator)).give(state[actuator.name()])
+
 
 logger = logging.getLogger(__name__)
 

@@ -12,7 +12,6 @@ The rules are in `morse.verification.contract.check`.
 """
 
 from morse.verification.contract.check import check_component
-from morse.verification.contract.report import Fault, Report
-from morse.verification.contract.subjects import SubjectError
+from morse.verification.contract.subjects import Fault, Report, SubjectError
 
 __all__ = ["Fault", "Report", "SubjectError", "check_component"]

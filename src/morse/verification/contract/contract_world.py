@@ -2,29 +2,208 @@
 
 from __future__ import annotations
 
+import ast
+import logging
+import math
+import os
+import sys
 import tempfile
+from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError
 from morse.core.actuator import Actuator
 from morse.core.classes.project_imports import ProjectImports
+from morse.core.declarations import fields_of_component
 from morse.core.reports.faults import describe
 from morse.core.streams.pending_commands import PendingCommands
 from morse.launch.load import described, start
 from morse.simulation.loader import LoadError
 from morse.simulation.options import RunOptions
-from morse.verification.contract.examples import example
-from morse.verification.contract.places import Places
+from morse.system.regular_files import read_regular
 from morse.verification.contract.subjects import Subject, SubjectError
 from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
     from types import TracebackType
 
+    from morse.core.declarations import DataField
     from morse.core.object import Object
+    from morse.core.values import Fields
     from morse.simulation.simulation import Simulation
-    from morse.verification.contract.log_capture import LogCapture
+
+
+# The log of a simulation during the check of a component.
+
+
+class LogCapture(logging.Handler):
+    """Collects the errors of the simulation, so that they are not printed; used as a context manager."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.ERROR)
+        self._errors: list[str] = []
+        self._listens = True
+        self._before: tuple[bool, list[logging.Handler]] = (True, [])
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """See `logging.Handler`."""
+        if self._listens:
+            self._errors.append(record.getMessage())
+
+    def take(self) -> list[str]:
+        """The errors since the last call."""
+        errors, self._errors = self._errors, []
+        return errors
+
+    def last(self, otherwise: str) -> str:
+        """The last error; clears the list."""
+        errors = self.take()
+        return errors[-1] if errors else otherwise
+
+    @contextmanager
+    def unheard(self) -> Iterator[None]:
+        """Ignore errors in the block."""
+        self._listens = False
+        try:
+            yield
+        finally:
+            self._listens = True
+
+    def __enter__(self) -> LogCapture:
+        logger = logging.getLogger("morse")
+        self._before = logger.propagate, logger.handlers[:]
+        logger.propagate, logger.handlers[:] = False, [self]
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        logger = logging.getLogger("morse")
+        logger.propagate, logger.handlers[:] = self._before
+
+
+# The file and line in which a component declares something.
+
+_KEPT = 64
+
+
+class Places:
+    """Finds declarations.
+
+    Args:
+        files: files of modules that only one simulation has imported, by name.
+    """
+
+    def __init__(self, files: Mapping[str, str]) -> None:
+        self._files = dict(files)
+
+    def of_class(self, cls: type) -> str:
+        """File and line of a class, as ``path:line``; empty if it has no file."""
+        file = self._file(cls)
+        definition = _definition(cls, file)
+        return _shown(file, definition.lineno) if definition is not None else ""
+
+    def of(self, cls: type, function: str, name: str) -> str:
+        """File and line in which a class or one of its bases declares something.
+
+        Args:
+            function: ``add_data``, ``add_property``, ``add_level``; ``def`` for a method.
+            name: the name that is declared, as any of the first three arguments.
+        """
+        for base in cls.__mro__:
+            file = self._file(base)
+            definition = _definition(base, file)
+            for line in () if definition is None else _declared(definition, function, name):
+                return _shown(file, line)
+        return self.of_class(cls)
+
+    def _file(self, cls: type) -> str:
+        file = self._files.get(cls.__module__)
+        return file or str(getattr(sys.modules.get(cls.__module__), "__file__", "") or "")
+
+
+def _declared(definition: ast.ClassDef, function: str, name: str) -> Iterator[int]:
+    for statement in definition.body:
+        if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            if function == "def" and statement.name == name:
+                yield statement.lineno
+            continue
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == function:
+                words = [argument.value for argument in node.args[:3] if isinstance(argument, ast.Constant)]
+                if name in words:
+                    yield node.lineno
+
+
+def _definition(cls: type, file: str) -> ast.ClassDef | None:
+    return next((d for d in _classes(file) if d.name == cls.__name__), None) if file else None
+
+
+@lru_cache(maxsize=_KEPT)
+def _parsed(file: str, _modified: float) -> tuple[ast.ClassDef, ...]:
+    tree = ast.parse(read_regular(file), file)
+    return tuple(node for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
+
+
+def _classes(file: str) -> tuple[ast.ClassDef, ...]:
+    try:
+        return _parsed(file, os.stat(file).st_mtime)
+    except (OSError, SyntaxError, ValueError):
+        return ()
+
+
+def _shown(file: str, line: int) -> str:
+    path, here = Path(file), Path.cwd()
+    return f"{path.relative_to(here) if path.is_relative_to(here) else path}:{line}"
+
+
+# Commands and values for checks: some valid ones, and many invalid ones.
+
+#: a number that is valid for most quantities
+_SOME = 0.3
+_deep: list[object] = []
+for _ in range(100):
+    _deep = [_deep]
+_endless: Fields = {}
+_endless["again"] = _endless
+
+#: invalid or malicious values of clients
+BAD_VALUES: tuple[object, ...] = (
+    None, True, "nonsense", "", "\ud800", b"bytes", math.nan, math.inf, -math.inf, 1e308, -1e308, 1e30, -1e30, 5e-324,
+    -1, 0, 10**400, 2**63, [], {}, [[]], [math.nan] * 3, [1e308] * 3, ["a", "b", "c"], [1.0] * 1000, {"x": None}, _deep,
+    _endless, object(),
+)  # fmt: skip
+
+
+def example(component: Object) -> Fields:
+    """A valid command for an actuator."""
+    declarations = fields_of_component(component)
+    values = {
+        name: _example(declarations[name], initial)
+        for name, initial in component.local_data.items()
+        if name in declarations
+    }
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _example(field: DataField, value: Any) -> object:
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, (int, float)):
+        return _inside(type(value)(value + _SOME), field)
+    if field.shape is not None and not field.quaternion and None not in field.shape and len(field.shape) == 1:
+        return [_inside(float(number) + _SOME, field) for number in value]
+    return None
+
+
+def _inside(number: Any, field: DataField) -> object:
+    if field.low is not None and number < field.low:
+        return field.low
+    return field.high if field.high is not None and number > field.high else number
+
 
 _NAME = "part"
 #: robots to try, with their drives: components may need wheels, rotors or a steering wheel

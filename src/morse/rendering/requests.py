@@ -1,28 +1,106 @@
-"""What the images of a tick show, independent of later changes of cameras and world."""
+"""What cameras request, and what the images of a tick show, independent of later changes of cameras and world."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from morse.kernel.drawing import Kept
 from morse.kernel.drawing.arrays import CAMERA
 from morse.mathutils.portable import matmul
-from morse.rendering.distortion import DistortedLens
-from morse.rendering.motion import moved
-from morse.rendering.warp import Drawn
+from morse.rendering.distortion import DistortedLens, Drawn
+from morse.rendering.lens import moved
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing import Kept, Pictures
-    from morse.rendering.camera_memory import CameraMemory
-    from morse.rendering.lens import Lens
-    from morse.rendering.motion import Motion
-    from morse.rendering.request import CameraRequest, Placed
+    from morse.kernel.drawing import Pictures
+    from morse.rendering.contents import Contents
+    from morse.rendering.lens import Lens, Motion
+    from morse.rendering.picture import Picture, Shot
+
+
+# What a camera keeps of its images, so that a camera that stands renders less.
+
+
+class CameraMemory:
+    """What is kept of the images of a camera: of each undistorted image, and each band of rows."""
+
+    def __init__(self) -> None:
+        self._kept: list[Kept] = []
+
+    def of(self, first: int, count: int) -> list[Kept]:
+        """Return what is kept of some of the undistorted images, from the number ``first``."""
+        while len(self._kept) < first + count:
+            self._kept.append(Kept())
+        return self._kept[first : first + count]
+
+
+# Requests of cameras to the renderer.
+
+#: bound of the error of simplified meshes in an image, pixels; meshes are not simplified
+SCREEN_SPACE_ERROR = 0.0
+
+
+class Placed(Protocol):
+    """An object with a pose: an object of the world, or a `morse.rendering.photograph.Viewpoint`."""
+
+    def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position (3) and rotation (9, row by row) in the world."""
+
+
+class Serving(Protocol):
+    """What renders images: `morse.rendering.renderer.Renderer`."""
+
+    @property
+    def contents(self) -> Contents:
+        """The present contents of the world."""
+
+    def serve(self, requests: Sequence[CameraRequest]) -> None:
+        """Render the requested images, or begin to."""
+
+
+class CameraRequest:
+    """A camera that looks along the Z axis of an object, with X to the right and Y down.
+
+    Attributes:
+        obj: the object.
+        lens: may be replaced between images.
+        color: whether the image has colours, not only depth and ids.
+        normals: whether the image has normals.
+        exposure: factor of the light.
+        screen_space_error: bound of the error of simplified meshes in the image, pixels; 0 for full detail.
+        motion: when the rows are exposed; None for an image of the present instant.
+        wanted: returns whether an image is requested now.
+        beside: whether images are rendered in a thread while the simulation goes on; `picture` waits for them.
+        shot: the last image, which may still be rendered; None before the first.
+        memory: what is kept of its images, so that the next ones take less time if the camera stands; None to render
+            each image anew.
+    """
+
+    def __init__(
+        self, server: Serving, obj: Placed, lens: Lens, *, color: bool, normals: bool, wanted: Callable[[], bool]
+    ) -> None:
+        self.server = server
+        self.obj, self.lens, self.color, self.normals, self.wanted = obj, lens, color, normals, wanted
+        self.exposure = 1.0
+        self.screen_space_error = SCREEN_SPACE_ERROR
+        self.motion: Motion | None = None
+        self.beside = False
+        self.shot: Shot | None = None
+        self.memory: CameraMemory | None = CameraMemory()
+
+    @property
+    def picture(self) -> Picture | None:
+        """The last image; None before the first."""
+        return None if self.shot is None else self.shot.picture()
+
+
+# What the images of a tick show, independent of later changes of cameras and world.
 
 
 class Order(NamedTuple):

@@ -1,1 +1,0 @@
-"""A recorded run as one file: a page that needs no server."""
