@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from morse.core.reports.hints import closest, nearest
-from morse.core.reports.quoting import escaped, quoted, short, shown
+from morse.core.reports.quoting import escaped, quoted, short, shown, spreadsheet_cell
 
 anything = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),
@@ -75,3 +75,22 @@ def test_a_wrong_name_is_compared_with_few_of_many_names(monkeypatch: pytest.Mon
         compared.clear()
         assert closest(f"/robot{number}/front_camra/depth/image_raw", names) == names[number]
         assert len(set(compared)) <= 40
+
+
+@pytest.mark.parametrize(
+    ("text", "cell"),
+    [
+        ('=cmd|" /C calc"!A0', '\'=cmd|" /C calc"!A0'),
+        ("+1+1", "'+1+1"),
+        ("-2+3", "'-2+3"),
+        ("@SUM(A1)", "'@SUM(A1)"),
+        ("\t=1+1", "'\t=1+1"),
+        ("\r\n =1+1", "'\r\n =1+1"),
+        ("\uff1d1+1", "'\uff1d1+1"),  # a wide equals sign
+        *((same, same) for same in ("", "a=b", "map", "-1.5", "+3e8", "-inf", "'=1", "/robot/=x")),
+        (-1.5, -1.5),
+        (None, None),
+    ],
+)
+def test_no_text_is_a_formula_for_a_spreadsheet(text: object, cell: object) -> None:
+    assert spreadsheet_cell(text) == cell

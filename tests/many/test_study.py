@@ -597,14 +597,17 @@ def test_the_command(tmp_path, pids):
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=240)
 
     first = morse("study.py", "-o", "r", "--workers", "2")
-    assert first.returncode == 0, first.stderr
+    assert first.returncode == 3, first.stderr
     assert "24 runs in r, 4 failed" in first.stdout
-    again = morse("study.py", "-o", "r")
+    again = morse("study.py", "-o", "r", "--keep-going")
+    assert again.returncode == 0
     assert "24 of 24 runs are done, 4 failed" in again.stderr
     failed = Table.read(tmp_path / "r").failures[0]["run"]
     rerun = morse("rerun", "r", failed[:6], "study.py")
     assert "the same, bit for bit" in rerun.stdout, rerun.stderr
-    assert "24 of 24" in morse("watch", "r").stderr
+    watch = morse("watch", "r")
+    assert "24 of 24" in watch.stderr
+    assert watch.returncode == 3
     for words, message in [
         (("nothing.py",), "no file nothing.py"),
         (("rerun", "r", "xyz"), "morse sweep rerun FOLDER RUN STUDY.py"),

@@ -15,6 +15,7 @@ from recorded import drive, read_by_rosbags, scene
 import morse
 from morse.recording.errors import RecordingError
 from morse.recording.export import export
+from morse.recording.fields import DECLARED, FIELDS, FIELDS_TYPE
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
@@ -122,6 +123,27 @@ def test_topics_of_hostile_files_stay_in_the_folder(tmp_path: Path) -> None:
     assert len(remarks) == 1
     assert "my_msgs/msg/Thing is not known" in remarks[0]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["deep", "hostile.mcap"]
+
+
+def test_texts_and_names_of_fields_are_no_formulas_for_a_spreadsheet(tmp_path: Path) -> None:
+    path = tmp_path / "hostile.mcap"
+    with path.open("wb", buffering=0) as file:
+        writer = McapWriter(file)
+        writer.channel("/text", writer.schema("std_msgs/msg/String", "string data"), {})
+        text = b'=HYPERLINK("http://[::1]/")\x00'
+        writer.chunk([Message(1, 0, 0, 0, b"\x00\x01\x00\x00" + len(text).to_bytes(4, "little") + text)])
+        declared = json.dumps([{"name": "@SUM(A1)", "type": "string", "shape": None}])
+        writer.channel(f"{FIELDS}/robot", writer.schema(FIELDS_TYPE, ""), {DECLARED: declared})
+        writer.finish()
+    with McapFile(path) as file:
+        export(file, tmp_path / "out", "csv")
+    with (tmp_path / "out" / "text.csv").open(newline="") as lines:
+        assert [row["data"] for row in csv.DictReader(lines)] == ['\'=HYPERLINK("http://[::1]/")']
+    tables = [(tmp_path / "out" / name).read_text() for name in ("text.csv", "morse.fields.robot.csv")]
+    assert "'@SUM(A1)" in tables[1]
+    assert not any(
+        cell[0] in "=@" for table in tables for row in csv.reader(table.splitlines()) for cell in row if cell
+    )
 
 
 @pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00\xff\xff\xff\xffab", b"\x09" * 40])

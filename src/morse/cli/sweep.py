@@ -47,16 +47,18 @@ def command(
     name: Annotated[
         str | None, typer.Option("--study", metavar="NAME", help="Variable of the study, if the file has several.")
     ] = None,
+    keep_going: Annotated[bool, typer.Option("--keep-going", help="Status 0 although runs have failed.")] = False,
 ) -> int:
     """Do all runs of a study.
 
     The file defines a `morse.many.Study`. Runs that the folder already contains are not done again: after an
-    interruption, the same command continues. Failed runs are done again with a recording.
+    interruption, the same command continues. Failed runs are done again with a recording. The exit status is 3 if runs
+    have failed.
     """
     if words[0] == "rerun":
         return _rerun(*_exactly(words, "rerun FOLDER RUN STUDY.py"), name=name)
     if words[0] == "watch":
-        return _watch(*_exactly(words, "watch FOLDER"))
+        return _status(_watch(*_exactly(words, "watch FOLDER")), keep_going=keep_going)
     if len(words) != 1:
         raise CommandError(f"One file with a study, not {' '.join(words)}.", 2)
     study = _study_of(words[0], name)
@@ -71,7 +73,14 @@ def command(
         again = f"; morse sweep rerun {output} {row['run']} {words[0]}" if row["recording"] else ""
         say(f"  {row['run']}: {short(row['error'], _ERROR)}{again}")
     say(f"Summary: {output / 'summary.html'}")
-    return 0
+    return _status(len(table.failures), keep_going=keep_going)
+
+
+def _status(failed: int, *, keep_going: bool) -> int:
+    """The exit status for a number of failed runs."""
+    from morse.simulation.ending import FAULTS
+
+    return FAULTS if failed and not keep_going else 0
 
 
 def _exactly(words: list[str], usage: str) -> list[str]:
@@ -153,7 +162,7 @@ def _rerun(folder: str, run: str, file: str, *, name: str | None) -> int:
 
 
 def _watch(folder: str) -> int:
-    """Show the progress until all runs are done, or Ctrl+C."""
+    """Show the progress until all runs are done, or Ctrl+C; return the number of failed runs."""
     from morse.many import Table
     from morse.many.ledger import read_facts
     from morse.many.progress import Progress
@@ -172,9 +181,9 @@ def _watch(folder: str) -> int:
             progress.done, progress.failed = len(table), len(table.failures)
             tell(str(progress))
             if len(table) >= total:
-                return 0
+                return progress.failed
             time.sleep(1.0)
     except KeyboardInterrupt:
-        return 0
+        return 0  # the study goes on
     finally:
         _end_line()

@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.core.reports.quoting import spreadsheet_cell
 from morse.many.ledger import read_facts, read_rows
 from morse.many.run import RESERVED, name_of
 from morse.system.extras import install
@@ -95,11 +96,11 @@ class Table:
         return {name: [row.get(name) for row in self.rows] for name in self.columns}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a file of comma-separated values."""
+        """Write a file of comma-separated values; a text that a spreadsheet would compute begins with ``'``."""
         with open(path, "w", newline="", encoding="utf-8", errors="backslashreplace") as file:
-            lines = csv.DictWriter(file, self.columns)
-            lines.writeheader()
-            lines.writerows(self.rows)
+            lines = csv.writer(file)
+            lines.writerow([spreadsheet_cell(name) for name in self.columns])
+            lines.writerows([spreadsheet_cell(row.get(name)) for name in self.columns] for row in self.rows)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Write a file in the Parquet format, with the extra ``parquet``.

@@ -11,6 +11,7 @@ import numpy as np
 
 from morse.core.exceptions import MorseError
 from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import spreadsheet_cell
 from morse.core.validation.names import file_name
 from morse.recording.errors import RecordingError
 from morse.recording.fields import DECLARED, FIELDS
@@ -216,12 +217,12 @@ class _Sink(Protocol):
 
 
 class _Csv:
-    """RFC 4180, numbers with all their digits; lists as JSON."""
+    """RFC 4180, numbers with all their digits; lists as JSON; no text is a formula for a spreadsheet."""
 
     def __init__(self, path: Path, table: Table | FieldsTable) -> None:
         self._file = path.open("x", newline="", encoding="utf-8", errors="backslashreplace")
         self._writer = csv.writer(self._file)
-        self._writer.writerow([name for name, _ in table.columns])
+        self._writer.writerow([spreadsheet_cell(name) for name, _ in table.columns])
 
     def write(self, rows: list[list[Value]]) -> None:
         self._writer.writerows([[_cell(value) for value in row] for row in rows])
@@ -233,7 +234,7 @@ class _Csv:
 def _cell(value: object) -> object:
     if isinstance(value, (list, dict)) or hasattr(value, "tolist"):
         return json.dumps(_plain(value))
-    return value
+    return spreadsheet_cell(value)
 
 
 def _plain(value: object) -> Value:

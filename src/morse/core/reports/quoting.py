@@ -6,6 +6,8 @@ import reprlib
 
 #: largest number of characters of a text from outside that is repeated in a message
 _LIMIT = 80
+#: the first characters of a formula of a spreadsheet
+_FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 
 
 def escaped(text: str) -> str:
@@ -40,6 +42,21 @@ def shown(value: object, limit: int = _LIMIT) -> str:
     short.maxlist = short.maxtuple = short.maxset = short.maxdict = short.maxlevel = 6
     text = short.repr(value)
     return escaped(text if len(text) <= 2 * limit else text[: 2 * limit] + "…")
+
+
+def spreadsheet_cell(value: object) -> object:
+    """Return a value for a cell of a CSV file; a text that a spreadsheet would execute as a formula begins with ``'``.
+
+    Spreadsheets take what begins with ``=``, ``+``, ``-`` or ``@`` for a formula, also within quotes, after spaces, and
+    in the wide characters of East Asian keyboards. Texts that are numbers remain as they are.
+    """
+    if not isinstance(value, str) or not value.lstrip().startswith(_FORMULA):
+        return value
+    try:
+        float(value)
+    except ValueError:
+        return f"'{value}"
+    return value
 
 
 class _Short(reprlib.Repr):

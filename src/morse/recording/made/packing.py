@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import asdict, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -14,9 +14,7 @@ from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
 from morse.core.rows.lazy_data import present_data
-from morse.mathutils.rotations import Rotation9
-from morse.scene import Articulation, BodySettings, Bone, Camera, Inertial, Light, NodeKind, ShapeKind
-from morse.scene.articulation import JointDynamics
+from morse.recording.made import form
 from morse.scene.settings import Settings
 
 if TYPE_CHECKING:
@@ -25,156 +23,6 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.values import RosMessage
     from morse.scene import CollisionShape, ComponentDeclaration, Image, Material, Mesh, Node, Scene
-    from morse.scene.realism import RealismModel
-
-
-# The form in which the description of an object is written to a file.
-
-Triple = tuple[float, float, float]
-Sixteen = tuple[
-    float, float, float, float,
-    float, float, float, float,
-    float, float, float, float,
-    float, float, float, float,
-]  # fmt: skip
-
-_HINTS = get_type_hints(Bone, localns={"Rotation9": Rotation9, "JointDynamics": JointDynamics})
-#: `morse.scene.Bone`, with annotations that exist at run time
-BoneForm: Any = msgspec.defstruct("BoneForm", [(name, _HINTS[name]) for name in Bone.__dataclass_fields__])
-
-
-class ImageForm(msgspec.Struct, forbid_unknown_fields=True):
-    """See `morse.scene.Image`; ``data`` is the digest of the file."""
-
-    name: str
-    mime: str
-    data: str
-
-
-class MaterialForm(msgspec.Struct, forbid_unknown_fields=True):
-    """See `morse.scene.Material`; ``image`` is an index, or -1."""
-
-    name: str
-    color: tuple[float, float, float, float]
-    metallic: float
-    roughness: float
-    emission: Triple
-    specular: float
-    image: int
-    shadeless: bool
-    double_sided: bool
-
-
-class MeshForm(msgspec.Struct, forbid_unknown_fields=True):
-    """See `morse.scene.Mesh`; ``materials`` are indices, or -1; ``data`` is the digest of the arrays."""
-
-    name: str
-    materials: list[int]
-    data: str
-
-
-class ShapeForm(msgspec.Struct, forbid_unknown_fields=True):
-    """See `morse.scene.CollisionShape`; ``data`` is the digest of the arrays."""
-
-    kind: ShapeKind
-    size: tuple[float, ...]
-    position: Triple
-    rotation: Rotation9
-    data: str
-
-
-class NodeForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
-    """See `morse.scene.Node`; ``parent``, ``mesh`` and ``materials`` are indices, or -1."""
-
-    name: str
-    kind: NodeKind
-    parent: int
-    location: Triple
-    rotation_euler: Triple
-    scale: Triple
-    body: BodySettings
-    parent_inverse: Sixteen | None = None
-    mesh: int = -1
-    materials: list[int] = msgspec.field(default_factory=list)
-    light: Light | None = None
-    camera: Camera | None = None
-    properties: dict[str, Any] = msgspec.field(default_factory=dict)
-    debug: tuple[str, ...] = ()
-    visible: bool = True
-    color: tuple[float, float, float, float] | None = None
-    source_name: str | None = None
-    shapes: list[ShapeForm] | None = None
-    bones: tuple[BoneForm, ...] = ()
-    bone: str = ""
-    inertial: Inertial | None = None
-    articulation: Articulation | None = None
-
-
-class FieldForm(msgspec.Struct, forbid_unknown_fields=True):
-    """A data field of a component, as a panel shows it; ``value`` is that of the declaration."""
-
-    name: str
-    type: str
-    doc: str
-    unit: str
-    low: float | None
-    high: float | None
-    value: Any
-
-
-class PanelForm(msgspec.Struct, forbid_unknown_fields=True):
-    """What the panel of a component shows, for a class that another machine may not have."""
-
-    title: str
-    doc: str
-    fields: list[FieldForm]
-
-
-class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
-    """See `morse.scene.ComponentDeclaration`; nodes are indices.
-
-    Attributes:
-        classes: class paths: of its class, and of the classes from which that is derived.
-        modifiers: class paths and options.
-        wheels: names of the nodes of the wheels of a robot; None for a component without wheels.
-        realism: see `morse.scene.realism.RealismModel`.
-        panel: of a component whose class is not one of MORSE.
-    """
-
-    node: int
-    robot: int
-    kind: str
-    classes: list[str]
-    frequency: float | None
-    level: str | None
-    modifiers: list[tuple[str, dict[str, Any]]]
-    wheels: list[str] | None
-    realism: RealismModel | None
-    panel: PanelForm | None = None
-
-
-class DescriptionForm(msgspec.Struct, forbid_unknown_fields=True):
-    """The description of an object with all its parts."""
-
-    nodes: list[NodeForm]
-    components: list[ComponentForm]
-    meshes: list[MeshForm]
-    materials: list[MaterialForm]
-    images: list[ImageForm]
-
-
-class SceneForm(msgspec.Struct, forbid_unknown_fields=True):
-    """What a scene has besides its nodes and components; see `morse.scene.Scene`.
-
-    Attributes:
-        zones: name of the node and type of each zone.
-    """
-
-    environment: str
-    settings: Settings
-    properties: dict[str, Any]
-    zones: list[tuple[str, str]]
-
 
 _encoder = msgspec.msgpack.Encoder()
 #: arrays of a mesh and of a shape, by the type of their items
@@ -212,10 +60,10 @@ class Packing:
         nodes = [node for root in roots for node in root.walk()]
         self._places = {node: place for place, node in enumerate(nodes)}
         self._numbers: dict[int, int] = {}
-        self._meshes: list[MeshForm] = []
-        self._materials: list[MaterialForm] = []
-        self._images: list[ImageForm] = []
-        self._form = DescriptionForm(
+        self._meshes: list[form.MeshForm] = []
+        self._materials: list[form.MaterialForm] = []
+        self._images: list[form.ImageForm] = []
+        self._form = form.DescriptionForm(
             [self._node(node) for node in nodes],
             [self._component(component) for component in components],
             self._meshes,
@@ -247,9 +95,9 @@ class Packing:
                 arrays[name] = [list(values.shape), np.ascontiguousarray(values, dtype=kind).tobytes()]
         return self._block(_encoder.encode(arrays)) if arrays else ""
 
-    def _node(self, node: Node) -> NodeForm:
+    def _node(self, node: Node) -> form.NodeForm:
         inverse = None if node.parent_inverse is None else [v for row in node.parent_inverse for v in row]
-        return NodeForm(
+        return form.NodeForm(
             name=node.name,
             kind=node.kind,
             parent=-1 if node.parent is None else self._places[node.parent],
@@ -281,13 +129,13 @@ class Packing:
             number = self._numbers[id(mesh)] = len(self._meshes)
             slots = [self._material(one) for one in mesh.materials]
             digest = self._once(mesh, lambda: self._arrays(mesh, MESH_ARRAYS))
-            self._meshes.append(MeshForm(mesh.name, slots, digest))
+            self._meshes.append(form.MeshForm(mesh.name, slots, digest))
         return number
 
-    def _shape(self, shape: CollisionShape) -> ShapeForm:
+    def _shape(self, shape: CollisionShape) -> form.ShapeForm:
         size = tuple(map(float, shape.size))
         turn: Any = tuple(map(float, shape.rotation))
-        return ShapeForm(shape.kind, size, _triple(shape.position), turn, self._arrays(shape, SHAPE_ARRAYS))
+        return form.ShapeForm(shape.kind, size, _triple(shape.position), turn, self._arrays(shape, SHAPE_ARRAYS))
 
     def _material(self, material: Material | None) -> int:
         if material is None:
@@ -297,7 +145,7 @@ class Packing:
             number = self._numbers[id(material)] = len(self._materials)
             color: Any = tuple(map(float, material.color))
             self._materials.append(
-                MaterialForm(
+                form.MaterialForm(
                     material.name,
                     color,
                     float(material.metallic),
@@ -316,11 +164,11 @@ class Packing:
         if number is None:
             number = self._numbers[id(image)] = len(self._images)
             digest = self._once(image, lambda: self._block(image.data))
-            self._images.append(ImageForm(image.name, image.mime, digest))
+            self._images.append(form.ImageForm(image.name, image.mime, digest))
         return number
 
-    def _component(self, entry: ComponentDeclaration) -> ComponentForm:
-        return ComponentForm(
+    def _component(self, entry: ComponentDeclaration) -> form.ComponentForm:
+        return form.ComponentForm(
             self._places[entry.node],
             self._places[entry.robot],
             entry.kind,
@@ -341,7 +189,7 @@ def scene_to_bytes(scene: Scene) -> bytes:
         ValueError: the scene script has set a value of another type.
     """
     return _encoder.encode(
-        SceneForm(
+        form.SceneForm(
             scene.environment,
             msgspec.convert(_plain(asdict(scene.settings)), Settings),
             _plain_items(scene.properties),
@@ -350,7 +198,7 @@ def scene_to_bytes(scene: Scene) -> bytes:
     )
 
 
-def _panel(component: Object) -> PanelForm | None:
+def _panel(component: Object) -> form.PanelForm | None:
     """The panel of a component of a class that only a project has."""
     cls = type(component)
     if f"{cls.__module__}.".startswith(OWN):
@@ -358,13 +206,13 @@ def _panel(component: Object) -> PanelForm | None:
     # nobody keeps them: the sensor goes on to measure when it is read
     data = present_data(component)
     fields = [
-        FieldForm(
+        form.FieldForm(
             name, str(field.type), field.doc, field.unit, _bound(field.low), _bound(field.high), _plain(field.default)
         )
         for name, field in fields_of_component(component).items()
         if name in data
     ]
-    return PanelForm(str(getattr(cls, "_name", cls.__name__)), str(getattr(cls, "_short_desc", "")), fields)
+    return form.PanelForm(str(getattr(cls, "_name", cls.__name__)), str(getattr(cls, "_short_desc", "")), fields)
 
 
 def _bound(value: Any) -> float | None:
@@ -380,7 +228,7 @@ def _classes(classpath: str, component: object) -> list[str]:
     return list(dict.fromkeys([classpath, *(f"{base.__module__}.{base.__qualname__}" for base in bases[:-1])]))
 
 
-def _triple(values: Sequence[float]) -> Triple:
+def _triple(values: Sequence[float]) -> form.Triple:
     x, y, z = values
     return float(x), float(y), float(z)
 

@@ -26,19 +26,8 @@ from morse.core.validation.errors import PropertyError
 from morse.core.validation.properties import checked_value
 from morse.mathutils import Matrix
 from morse.recording.errors import RecordingError
-from morse.recording.made.packing import (
-    MESH_ARRAYS,
-    OWN,
-    SHAPE_ARRAYS,
-    ComponentForm,
-    DescriptionForm,
-    MaterialForm,
-    MeshForm,
-    NodeForm,
-    PanelForm,
-    SceneForm,
-    ShapeForm,
-)
+from morse.recording.made import form
+from morse.recording.made.packing import MESH_ARRAYS, OWN, SHAPE_ARRAYS
 from morse.recording.made.writing import BLOCKS, OBJECTS, SCENE, TOPIC, TYPE
 from morse.recording.mcap.reader import LARGEST
 from morse.rosmsgs.cdr import CdrError, decode
@@ -73,7 +62,7 @@ class _Recorded:
     """Has the fields that the recording describes, and does nothing."""
 
     def __init__(self, obj: Any, parent: object = None) -> None:
-        panel: PanelForm = obj.node.properties[PANEL]
+        panel: form.PanelForm = obj.node.properties[PANEL]
         self._fields = {
             one.name: DataField(one.value, one.type, one.doc, unit=one.unit, low=one.low, high=one.high)
             for one in panel.fields
@@ -115,8 +104,8 @@ _KINDS = ("robot", "external_robot", "sensor", "actuator")
 #: maximum number of fields of a panel
 _MOST_FIELDS = 1000
 _arrays = msgspec.msgpack.Decoder(dict[str, tuple[list[int], bytes]])
-_descriptions = msgspec.msgpack.Decoder(DescriptionForm)
-_scenes = msgspec.msgpack.Decoder(SceneForm)
+_descriptions = msgspec.msgpack.Decoder(form.DescriptionForm)
+_scenes = msgspec.msgpack.Decoder(form.SceneForm)
 #: maximum number of ticks per second, and of physics steps per tick
 _FASTEST = 100_000
 #: errors of damaged data
@@ -165,7 +154,7 @@ class Unpacking:
         except _DAMAGED as error:
             raise RecordingError(f"the description of an object is damaged: {error}") from None
 
-    def _material(self, one: MaterialForm) -> Material:
+    def _material(self, one: form.MaterialForm) -> Material:
         _check_finite("a material", *one.color, one.metallic, one.roughness, *one.emission, one.specular)
         values = {name: getattr(one, name) for name in one.__struct_fields__}
         return Material(**{**values, "image": None if one.image < 0 else self._images[one.image]})
@@ -182,7 +171,7 @@ class Unpacking:
             _check(bool(np.isfinite(arrays[name]).all()), f"numbers in {name} that are not finite")
         return arrays
 
-    def _mesh(self, one: MeshForm) -> Mesh:
+    def _mesh(self, one: form.MeshForm) -> Mesh:
         arrays = self._arrays(one.data, MESH_ARRAYS)
         vertices, triangles, slots = arrays["vertices"], arrays["triangles"], arrays["material_index"]
         count = len(triangles)
@@ -196,7 +185,7 @@ class Unpacking:
         materials = tuple(self._slots(one.materials))
         return Mesh(one.name, vertices, triangles, slots, arrays.get("uvs"), arrays.get("normals"), materials)
 
-    def _shape(self, one: ShapeForm) -> CollisionShape:
+    def _shape(self, one: form.ShapeForm) -> CollisionShape:
         _check_finite("a shape", *one.size, *one.position, *one.rotation)
         arrays = self._arrays(one.data, SHAPE_ARRAYS)
         for name, values in arrays.items():
@@ -206,7 +195,7 @@ class Unpacking:
             one.kind, one.size, one.position, one.rotation, arrays.get("vertices"), arrays.get("heights")
         )
 
-    def _node(self, one: NodeForm) -> Node:
+    def _node(self, one: form.NodeForm) -> Node:
         _check(0 < len(one.name) < _LONGEST_NAME, "a node without a name")
         _check(-1 <= one.parent < len(self._nodes), f"the parent {one.parent} of {one.name[:80]}")
         inverse = one.parent_inverse
@@ -241,7 +230,7 @@ class Unpacking:
             node.parent_inverse = Matrix(tuple(inverse[row : row + 4] for row in range(0, 16, 4)))
         return node
 
-    def _component(self, one: ComponentForm) -> ComponentDeclaration | None:
+    def _component(self, one: form.ComponentForm) -> ComponentDeclaration | None:
         _check(one.kind in _KINDS and min(one.node, one.robot) >= 0, f"a component of the kind {one.kind[:80]!r}")
         node, robot = self._nodes[one.node], self._nodes[one.robot]
         frequency = one.frequency
