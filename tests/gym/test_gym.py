@@ -297,7 +297,7 @@ def test_pettingzoo_checks_three_robots_that_cross():
 def test_a_process_that_dies_is_named():
     env = morse.gym.vector(Reach, 2, workers=2)
     env.reset(seed=1)
-    os.kill(env._parts.workers[1].pid, signal.SIGKILL)
+    os.kill(env._rows.parts.workers[1].pid, signal.SIGKILL)
     with pytest.raises(RuntimeError, match="the process of the rows 1 to 1 has ended by SIGKILL"):
         env.step(np.zeros((2, 2)))
     other = morse.gym.vector(Reach, 2)
@@ -597,6 +597,33 @@ def test_a_sensor_that_fails_is_an_error():
     env = morse.gym.vector(Fragile, 2, workers=2)
     with pytest.raises(RuntimeError, match="in the process of the rows 1 to 1: ValueError: too frail"):
         _stepped(env)
+    env.close()
+
+
+def test_a_sensor_that_fails_is_an_error_of_several_agents():
+    """Their world went on without the sensor."""
+    env = morse.gym.parallel(Fragile, ["robot"])
+    env.reset(seed=3)
+    still = {"robot": np.zeros(env.action_space("robot").shape, np.float32)}
+    with pytest.raises(ValueError, match="too frail"):
+        list(map(env.step, [still] * 4))
+    env.close()
+
+
+def test_agents_are_rows_as_those_of_a_batch():
+    """Mistakes of a task with agents are those of a batch: nobody is placed if one pose is wrong."""
+    env = morse.gym.parallel(Meet, agents=["r0", "r1"])
+    env.reset(seed=1)
+    rows, places = env._episodes.many, env._episodes.many.read("{agent}.pose", "x", "y")
+    before = places.copy()
+    with pytest.raises(ValueError, match="finite"):
+        rows.place([0, 1], "{agent}", [[1.0, 1.0, 0.0], [1.0, np.nan, 0.0]])
+    rows.measure([0, 1])
+    assert np.array_equal(places, before)
+    with pytest.raises(TypeError, match="pose is a sensor: use read"):
+        rows.command("{agent}.pose", "x")
+    with pytest.raises(ValueError, match="mass has the shape"):
+        rows.vary("{agent}", rows=[0, 1], mass=[1.0, 2.0, 3.0])
     env.close()
 
 

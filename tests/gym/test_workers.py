@@ -163,7 +163,7 @@ def test_what_interrupts_a_call_leaves_all_rows_in_the_same_step(kind: type[Base
 def test_ctrl_c_in_a_terminal_ends_no_worker() -> None:
     env = morse.gym.vector(DriveAbout, 2, workers=2)
     env.reset(seed=1)
-    for worker in env._parts.workers.values():
+    for worker in env._rows.parts.workers.values():
         os.kill(worker.pid, signal.SIGINT)
     for _ in range(10):
         env.step(np.zeros((2, 2)))
@@ -180,7 +180,7 @@ def test_a_worker_that_is_killed_at_any_moment_is_named_and_replaced() -> None:
     env, alone = (morse.gym.vector(DriveAbout, 4, workers=workers) for workers in (2, 0))
     starts = [env.reset()[0][2:]]
     for moment in (0.0, 0.001, 0.003, 0.006):
-        timer = threading.Timer(moment, os.kill, (env._parts.workers[1].pid, signal.SIGKILL))
+        timer = threading.Timer(moment, os.kill, (env._rows.parts.workers[1].pid, signal.SIGKILL))
         timer.start()
         with pytest.raises(RuntimeError, match="the process of the rows 2 to 3 has ended by SIGKILL"):
             step_often(env)
@@ -220,7 +220,7 @@ def test_a_vector_with_a_worker_that_never_answers_is_closed_at_once() -> None:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
-    workers = list(env._parts.workers.values())
+    workers = list(env._rows.parts.workers.values())
     env.close()
     assert not any(worker.is_alive for worker in workers)
     with pytest.raises(ClosedEnvironmentError, match="make it again"):

@@ -21,6 +21,7 @@ from morse.recording.recording import Recording
 from morse.simulation import population
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, entry_to_bytes
 from morse.simulation.recordings.recorded_timeline import Timeline
+from morse.simulation.states.state import State
 from morse.verification.resimulation import resimulate
 
 if TYPE_CHECKING:
@@ -267,6 +268,53 @@ def test_a_run_that_restores_such_a_state_is_the_same_again(tmp_path: Path) -> N
         sim.morsy.motion.publish({"v": 0.4, "w": 0.2})
         sim.step(5)
         sim.restore(state)
+        sim.step(5)
+    with Recording(tmp_path / "run.mcap") as recording:
+        assert resimulate(recording, trust=True).departure is None
+
+
+def crates_come_and_go(sim: Simulation) -> tuple[State, State]:
+    """Return the states with the second of two crates, and with both."""
+    for number, name in enumerate(("first", "second")):
+        sim.spawn(name, "props/crates", [8.0, 4.0 * number, 0.5])
+    sim.step(2)
+    both = sim.save()
+    sim.delete("first")
+    sim.step(2)
+    one = sim.save()
+    sim.delete("second")
+    return one, both
+
+
+def test_the_names_of_parts_do_not_depend_on_what_else_is_there(tmp_path: Path) -> None:
+    with morse.load(scene) as sim:
+        one, both = crates_come_and_go(sim)
+        sim.restore(one)
+        assert {node.name for node in sim.scene.nodes() if "large_crate_mesh" in node.name} == {
+            "second.large_crate_mesh"
+        }
+        wanted = sim.state_hash()
+        sim.restore(both)
+        sim.restore(one)
+        assert sim.state_hash() == wanted
+        sim.save(tmp_path / "one.state")
+    with morse.load(scene) as another:
+        another.restore(tmp_path / "one.state")
+        assert another.state_hash() == wanted
+
+
+def test_a_refused_restore_leaves_the_names_of_parts(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(SCRIPT)
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        begin = sim.save()
+        one, _ = crates_come_and_go(sim)
+        sim.restore(one)
+        names = [node.name for node in sim.scene.nodes()]
+        damaged = State({**begin.parts, "physics": begin.parts["clock"]}, begin.unsaved)
+        with pytest.raises(StateError):
+            sim.restore(damaged)
+        assert [node.name for node in sim.scene.nodes()] == names
         sim.step(5)
     with Recording(tmp_path / "run.mcap") as recording:
         assert resimulate(recording, trust=True).departure is None

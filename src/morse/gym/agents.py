@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 try:
     from pettingzoo import ParallelEnv
@@ -13,12 +13,13 @@ except ImportError:
 
 import numpy as np
 
-from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
-from morse.gym.episodes import Episodes
-from morse.gym.team import Team
+from morse.gym.episodes import Episodes, scenes_of
+from morse.gym.task import actions_of
 from morse.gym.values import Observation, row_of
-from morse.gym.variety import scenes_of
+from morse.many.rows import RowArrays, rows_of
+from morse.many.scenes import Scenes
+from morse.many.window import Window
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -26,7 +27,85 @@ if TYPE_CHECKING:
     from morse.core.values import Options
     from morse.gym.task import Task
     from morse.gym.values import Infos
+    from morse.simulation.simulation import Simulation
     from morse.viewer.notebook import Frame
+
+
+#: what stands for the robot of a row in names
+AGENT = "{agent}"
+
+
+class Team(RowArrays):
+    """One simulation whose rows are its robots; ``{agent}`` in a name stands for the robot of the row.
+
+    Raises:
+        KeyError: the scene has no such robot.
+    """
+
+    def __init__(self, scene: Any, agents: Sequence[str], seed: int = 0) -> None:
+        super().__init__()
+        self._agents = list(agents)
+        self._scenes = Scenes(scene[0] if isinstance(scene, list) else scene, 1, (), {"on_failure": "raise"})
+        self._simulation = self._scenes.load(0, seed)
+        self._window: Window | None = None
+        try:
+            self._handles(AGENT)
+        except BaseException:
+            self.close()
+            raise
+
+    def __len__(self) -> int:
+        return len(self._agents)
+
+    def __getitem__(self, row: int) -> Simulation:
+        return self._simulation
+
+    def _rows(self, rows: object) -> list[int]:
+        return rows_of(rows, len(self))
+
+    def _simulation_of(self, row: int) -> Simulation:
+        return self._simulation
+
+    def _load_sample(self) -> Simulation:
+        return self._scenes.load(0, self._simulation.seed())
+
+    def name_in(self, row: int, name: str) -> str:
+        """Return a name with the robot of the row."""
+        return name.replace(AGENT, self._agents[row]) if isinstance(name, str) else name
+
+    def step(self, ticks: int, *, measure: bool) -> None:
+        """See `morse.many.batch.Batch.step`."""
+        for column, (rows, _) in [(column, column.check()) for column in self._commands]:
+            column.publish(rows)
+        self._simulation.step(ticks, measure=measure)
+        self._look()
+
+    def measure(self, rows: Sequence[int]) -> None:
+        """Let all sensors measure now."""
+        self._simulation.measure()
+        self._look()
+
+    def restart(self, rows: Sequence[int], seeds: Sequence[int]) -> None:
+        """Restart the world, with the seed of its first row."""
+        self._simulation.restart(seeds[0])
+        self._begin(range(len(self)))
+
+    def _look(self) -> None:
+        self._update(range(len(self)))
+        if self._window is not None:
+            self._window.turn(self._simulation_of)
+
+    def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
+        """See `morse.many.batch.Batch.show`; all rows are in one world."""
+        if self._window is None:
+            self._window = Window(self._scenes, port)
+        return self._window.show(0, height)
+
+    def close(self) -> None:
+        """End the simulation."""
+        if self._window is not None:
+            self._window.close()
+        self._simulation.close()
 
 
 class TeamEnv(ParallelEnv[str, Observation, np.ndarray]):

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, ClassVar
 import gymnasium
 import numpy as np
 
-from morse.gym.checks import actions_of
-from morse.gym.episodes import Episodes
+from morse.gym.episodes import Episodes, scenes_of
+from morse.gym.task import actions_of
 from morse.gym.values import Observation, row_of
-from morse.gym.variety import scenes_of
 from morse.many.batch import batch
 
 if TYPE_CHECKING:

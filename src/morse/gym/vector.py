@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 from gymnasium.error import ResetNeeded
@@ -10,11 +10,10 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from morse.gym.env import check_render_mode
-from morse.gym.episodes import Episodes
+from morse.gym.episodes import Episodes, scenes_of
 from morse.gym.values import Observation, masked, row_of, stacked
-from morse.gym.variety import scenes_of
 from morse.many.batch import batch
-from morse.many.rows import seeds_of
+from morse.many.rows import only_row_of, seeds_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -88,6 +87,7 @@ class Rows:
             task, lambda one: batch(scenes_of(one, first, count), count, seed=first, on_failure="raise"), first
         )
         self.count = count
+        self.spaces = self.episodes.observation_space, self.episodes.action_space
 
     def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:
         """Begin episodes in the rows of a mask; in all rows if none has begun yet."""
@@ -131,12 +131,49 @@ class Rows:
         """Return a picture (H, W, 3) of each row."""
         return tuple(self.episodes.picture(row) for row in range(self.count))
 
+    def show(self, row: int, height: int, port: int) -> Frame:
+        """Show a row; see `morse.many.batch.Batch.show`."""
+        frame: Frame = self.episodes.many.show(row, height=height, port=port)
+        return frame
+
+    def close(self) -> None:
+        """End the simulations."""
+        self.episodes.close()
+
+
+class VectorRows(Protocol):
+    """What runs the rows of a `TaskVectorEnv`: `Rows` in this process, `morse.gym.workers.WorkerRows` in others.
+
+    Attributes:
+        spaces: of the observations and the actions of a row.
+    """
+
+    spaces: tuple[Any, Any]
+
+    def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:
+        """Begin episodes in the rows of a mask, and in all that have none."""
+
+    def step(self, actions: np.ndarray) -> Outcome:
+        """Do an action in each row."""
+
+    def pictures(self) -> tuple[np.ndarray, ...]:
+        """Return a picture (H, W, 3) of each row."""
+
+    def show(self, row: int, height: int, port: int) -> Frame:
+        """Show a row; see `morse.many.batch.Batch.show`."""
+
+    def close(self) -> None:
+        """End the simulations."""
+
 
 class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
-    """N simulations of a task in this process; ``gymnasium.make_vec`` creates it.
+    """N simulations of a task; ``gymnasium.make_vec`` and `vector` create it.
 
     By default, an episode that ends begins anew in the same step (``AutoresetMode.SAME_STEP``): the observation is that
     of the new episode, ``infos["final_obs"][k]`` the last one of the old episode.
+
+    With workers, a step or another call that an error interrupts (Ctrl+C, an error of a signal handler) is completed in
+    all rows or has not begun in any: the vector can be used further.
     """
 
     metadata: ClassVar[dict[str, object]] = METADATA
@@ -147,13 +184,20 @@ class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
         num_envs: int = 1,
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
+        workers: int = 0,
     ) -> None:
         check_render_mode(render_mode)
+        mode = mode_of(autoreset_mode)
         self.render_mode, self.num_envs = render_mode, num_envs
-        self.metadata = METADATA | {"autoreset_mode": mode_of(autoreset_mode)}  # type: ignore[misc]
-        self._rows = Rows(task, num_envs, 0, mode_of(autoreset_mode))
-        episodes = self._rows.episodes
-        self.single_observation_space, self.single_action_space = episodes.observation_space, episodes.action_space
+        self.metadata = METADATA | {"autoreset_mode": mode}  # type: ignore[misc]
+        self._rows: VectorRows
+        if workers:
+            from morse.gym.workers import WorkerRows
+
+            self._rows = WorkerRows(task, num_envs, workers, mode)
+        else:
+            self._rows = Rows(task, num_envs, 0, mode)
+        self.single_observation_space, self.single_action_space = self._rows.spaces
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
@@ -165,7 +209,8 @@ class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
         Args:
             seed: a number, or a seed for each row; None to go on with the random numbers of each row, which at first
                 depend on the number of the row alone.
-            options: ``reset_mask``, (N,) booleans: only these rows. The first reset begins all rows.
+            options: ``reset_mask``, (N,) booleans: only these rows. The first reset begins all rows. Processes that
+                have ended are replaced, and their rows begin.
 
         Raises:
             ValueError: there is another number of seeds than rows, or ``reset_mask`` is no mask.
@@ -177,18 +222,17 @@ class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
         """Do an action in each row: (N, ...) observations, (N,) rewards, terminated, truncated, and infos."""
         return self._rows.step(actions)
 
-    def render(self) -> np.ndarray | tuple[np.ndarray, ...] | None:
+    def render(self) -> tuple[np.ndarray, ...] | None:
         """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
         return None if self.render_mode is None else self._rows.pictures()
 
     def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
         """Open a page that shows a row while it runs; see `morse.many.batch.Batch.show`."""
-        frame: Frame = self._rows.episodes.many.show(row, height=height, port=port)
-        return frame
+        return self._rows.show(only_row_of(row, self.num_envs), height, port)
 
     def close_extras(self, **kwargs: object) -> None:
         """End the simulations."""
-        self._rows.episodes.close()
+        self._rows.close()
 
 
 def vector(
@@ -198,7 +242,7 @@ def vector(
     workers: int = 0,
     render_mode: str | None = None,
     autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
-) -> Any:
+) -> TaskVectorEnv:
     """Return a vector of environments.
 
     Row ``k`` gives the same bits with any number of workers.
@@ -214,8 +258,4 @@ def vector(
     Raises:
         ValueError: there are more workers than rows, or no such mode.
     """
-    if workers:
-        from morse.gym.workers import WorkersVectorEnv
-
-        return WorkersVectorEnv(task, num_envs, workers, render_mode, autoreset_mode)
-    return TaskVectorEnv(task, num_envs, render_mode, autoreset_mode)
+    return TaskVectorEnv(task, num_envs, render_mode, autoreset_mode, workers)

@@ -1,4 +1,4 @@
-"""A vector of environments in several processes, each of which has a part of the rows."""
+"""The rows of a vector of environments in several processes, each of which has a part of them."""
 
 from __future__ import annotations
 
@@ -7,28 +7,24 @@ import pickle
 import weakref
 from multiprocessing import resource_tracker
 from multiprocessing.shared_memory import SharedMemory
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ClosedEnvironmentError
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
 from morse.core.reports.faults import describe
-from morse.gym.checks import actions_of
-from morse.gym.env import check_render_mode
+from morse.gym.task import actions_of
 from morse.gym.values import Observation, joined
-from morse.gym.vector import METADATA, Rows, check_over, mask_of, mode_of
-from morse.many.rows import only_row_of, seeds_of
+from morse.gym.vector import Rows, check_over
 from morse.system.workers import Server, Worker, WorkerError, WorkerPool, close_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from gymnasium.vector import AutoresetMode
     from numpy.typing import NDArray
 
-    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.gym.values import Infos, Outcome
     from morse.viewer.notebook import Frame
@@ -116,7 +112,7 @@ class _Part(Server):
     def load(self) -> tuple[Any, ...]:
         """Load the simulations; return the spaces of a row."""
         self._rows = Rows(self._task, self._place.stop - self._place.start, self._place.start, self._mode)
-        return self._rows.episodes.observation_space, self._rows.episodes.action_space
+        return self._rows.spaces
 
     def share(self, rows: int, memory: str) -> None:
         """Use the memory that all processes share.
@@ -124,8 +120,7 @@ class _Part(Server):
         Args:
             rows: number of all rows.
         """
-        episodes = self._rows.episodes
-        self._shared = _Shared(episodes.observation_space, episodes.action_space, rows, memory)
+        self._shared = _Shared(*self._rows.spaces, rows, memory)
 
     def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> Infos:
         """See `Rows.reset`."""
@@ -142,14 +137,13 @@ class _Part(Server):
         shared.put(place, observations)
         return infos
 
-    def render(self) -> tuple[np.ndarray, ...]:
+    def pictures(self) -> tuple[np.ndarray, ...]:
         """Return a picture of each row."""
         return self._rows.pictures()
 
     def show(self, row: int, height: int, port: int) -> Frame:
         """Show a row of all rows."""
-        frame: Frame = self._rows.episodes.many.show(row - self._place.start, height=height, port=port)
-        return frame
+        return self._rows.show(row - self._place.start, height, port)
 
     @property
     def _memory(self) -> _Shared:
@@ -160,7 +154,7 @@ class _Part(Server):
         """End the simulations."""
         if self._shared is not None:
             self._shared.close(unlink=False)
-            self._rows.episodes.close()
+            self._rows.close()
 
 
 class _Parts:
@@ -267,9 +261,9 @@ class _Parts:
         self._over = ended | late
         return shared.observations(), shared.reward.copy(), ended, late, infos
 
-    def render(self) -> tuple[np.ndarray, ...]:
+    def pictures(self) -> tuple[np.ndarray, ...]:
         """Return a picture of each row."""
-        return tuple(itertools.chain(*self._ask_all("render")))
+        return tuple(itertools.chain(*self._ask_all("pictures")))
 
     def show(self, row: int, height: int, port: int) -> Frame:
         """Show a row."""
@@ -290,69 +284,43 @@ class _Parts:
             worker.kill()
 
 
-class WorkersVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
-    """N simulations of a task in several processes; see `morse.gym.vector`.
+class WorkerRows:
+    """Rows in several processes; see `morse.gym.vector.VectorRows`."""
 
-    A step, or another call, that an error interrupts (Ctrl+C, an error of a signal handler) is completed in all rows or
-    has not begun in any: the vector can be used further.
-    """
-
-    metadata: ClassVar[Infos] = METADATA
-
-    def __init__(
-        self,
-        task: Task | Callable[[], Task],
-        num_envs: int,
-        workers: int,
-        render_mode: str | None = None,
-        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
-    ) -> None:
-        check_render_mode(render_mode)
-        if not 1 <= workers <= num_envs:
-            raise ValueError(f"{num_envs} rows need 1 to {num_envs} workers, not {workers}")
-        self.render_mode, self.num_envs = render_mode, num_envs
-        mode = mode_of(autoreset_mode)
-        self.metadata = METADATA | {"autoreset_mode": mode}  # type: ignore[misc]
-        edges = [num_envs * worker // workers for worker in range(workers + 1)]
-        self._parts = parts = _Parts(task, list(itertools.starmap(slice, itertools.pairwise(edges))), mode)
+    def __init__(self, task: Task | Callable[[], Task], count: int, workers: int, mode: AutoresetMode) -> None:
+        if not 1 <= workers <= count:
+            raise ValueError(f"{count} rows need 1 to {count} workers, not {workers}")
+        edges = [count * worker // workers for worker in range(workers + 1)]
+        self.parts = parts = _Parts(task, list(itertools.starmap(slice, itertools.pairwise(edges))), mode)
         self._pool = WorkerPool(1, lambda: parts)
         # also at the end of a program that does not close it
-        self._end = weakref.finalize(self, self._pool.close, _PATIENCE)
+        self.close = weakref.finalize(self, self._pool.close, _PATIENCE)
         try:
-            self.single_observation_space, self.single_action_space, _ = self._pool.call(_Parts.load)
+            observation, action, _ = self._pool.call(_Parts.load)
         except BaseException:
-            self._end()
+            self.close()
             raise
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.spaces = observation, action
+        self._shape = count, *action.shape
 
     def _call(self, job: Callable[[_Parts], T]) -> T:
-        if not self._end.alive:
+        if not self.close.alive:
             raise ClosedEnvironmentError("this environment is closed: make it again")
         return self._pool.call(job)
 
-    def reset(
-        self, *, seed: int | Sequence[int] | None = None, options: Options | None = None
-    ) -> tuple[Observation, Infos]:
-        """Begin an episode in each row; see `morse.gym.TaskVectorEnv.reset`. Processes that have ended are replaced."""
-        mask = mask_of(options, self.num_envs)
-        seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
+    def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:
+        """See `morse.gym.vector.VectorRows`; processes that have ended are replaced."""
         return self._call(lambda parts: parts.reset(seeds, mask))
 
-    def step(self, actions: object) -> Outcome:
-        """Do an action in each row; see `morse.gym.TaskVectorEnv.step`."""
-        array = actions_of(actions, self.action_space.shape or ())
+    def step(self, actions: np.ndarray) -> Outcome:
+        """See `morse.gym.vector.VectorRows`."""
+        array = actions_of(actions, self._shape)
         return self._call(lambda parts: parts.step(array))
 
-    def render(self) -> np.ndarray | tuple[np.ndarray, ...] | None:
-        """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
-        return None if self.render_mode is None else self._call(_Parts.render)
+    def pictures(self) -> tuple[np.ndarray, ...]:
+        """See `morse.gym.vector.VectorRows`."""
+        return self._call(_Parts.pictures)
 
-    def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
-        """Open a page that shows a row while it runs; see `morse.many.batch.Batch.show`."""
-        number = only_row_of(row, self.num_envs)
-        return self._call(lambda parts: parts.show(number, height, port))
-
-    def close_extras(self, **kwargs: object) -> None:
-        """End the processes."""
-        self._end()
+    def show(self, row: int, height: int, port: int) -> Frame:
+        """See `morse.gym.vector.VectorRows`."""
+        return self._call(lambda parts: parts.show(row, height, port))

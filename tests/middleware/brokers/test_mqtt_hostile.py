@@ -53,6 +53,8 @@ class Broker(threading.Thread):
         self._ending = True
         socket.create_connection(("127.0.0.1", self.port), timeout=60.0).close()
         self.join(60.0)
+        # the simulation has closed its connection, else this thread still reads it
+        assert not self.is_alive()
         self._listener.close()
 
 

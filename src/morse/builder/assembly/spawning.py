@@ -63,15 +63,13 @@ def describe_newcomer(
             keeps its pose.
         position: x, y, z in the world, m.
         rotation: roll, pitch, yaw, rad.
-        present: nodes of the running scene; new nodes get names that do not exist there.
+        present: nodes of the running scene; what comes has none of their names.
         interfaces: names of the middlewares to which a robot is connected.
 
     Raises:
         MorseBuilderError: the function does not return a robot or an object, or the name already exists.
     """
-    present = list(present)
     with workspace.described() as described:
-        described.reserve(present)
         newcomer = make()
         if isinstance(newcomer, Newcomer):
             return _checked(newcomer, present)
@@ -85,14 +83,19 @@ def describe_newcomer(
         if isinstance(newcomer, WheeledRobot):
             newcomer.unparent_wheels()
         naming.rename_all()
+        # the names of the parts follow from that of the whole only: what is there when it comes differs in another
+        # process, in which a state is restored or a recording repeated
+        for node in list(described.nodes()):
+            if node.name != name and not node.name.startswith(f"{name}."):
+                node.source_name = node.source_name or node.name
+                described.rename(node, f"{name}.{node.name}")
         if isinstance(newcomer, Robot):
             for interface in interfaces:
                 newcomer.add_default_interface(interface)
             connect_by_default(newcomer)
-        if newcomer.name != name:
-            raise MorseBuilderError(f"there is already an object '{name}' in the scene")
         parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
-        return Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
+        complete = Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
+        return _checked(complete, present)
 
 
 def _checked(newcomer: Newcomer, others: Iterable[Node]) -> Newcomer:

@@ -6,7 +6,6 @@ import contextlib
 import logging
 import ssl
 import threading
-import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -59,7 +58,8 @@ class Broker:
         self._takers: dict[str, tuple[int, Callable[[bytes], object]]] = {}
         self._pending: deque[tuple[Any, int]] = deque()
         self._pending_size = 0
-        self._is_new = self._has_answered = self._is_closed = self._has_asked = False
+        self._is_new = self._has_answered = self._has_asked = False
+        self._closed = threading.Event()
         self._prefix = options["prefix"]
         self._refusal = ""
         self._complaints = Complaints(logger)
@@ -133,23 +133,29 @@ class Broker:
             farewell = self._client.publish(self._status, b"offline", qos=1, retain=True)
             with contextlib.suppress(RuntimeError, ValueError):  # the broker may have disconnected in the meantime
                 farewell.wait_for_publish(1.0)
-        self._is_closed = True
+        self._closed.set()
         self._client.disconnect()
         self._thread.join(_FAREWELL)
 
     # -- in the thread of the connection -----------------------------------------------------
 
     def _serve(self) -> None:
-        while not self._is_closed:
+        while True:
             try:
                 self._client.loop_forever(retry_first_connection=True)
                 return
             except Exception as error:  # paho-mqtt raises several errors for packets that are none
                 self._refuse(f"a packet cannot be read ({error})")
             self._is_gone(self._refusal)
-            time.sleep(_FIRST_PAUSE)
+            connection = self._client.socket()
+            if connection is not None:
+                connection.close()
+            if self._closed.wait(_FIRST_PAUSE):
+                return
             with contextlib.suppress(OSError):  # it tries again in its loop
                 self._client.reconnect()
+            if self._closed.is_set():  # meanwhile; the loop sends this and returns
+                self._client.disconnect()
 
     def _refuse(self, reason: str) -> None:
         """Note why the present connection is ended."""
