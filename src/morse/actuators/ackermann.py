@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from morse.actuators.speed_command import SpeedCommand
 from morse.helpers.components import add_property
-from morse.helpers.joint_motors import JointMotors, joint_names
-from morse.helpers.joint_wheels import WHEEL_LENGTH, joint_wheels
+from morse.helpers.joint_motors import WHEEL_LENGTH, JointMotors, joint_names
 from morse.scene import Control
+from morse.scene.joint_wheels import joint_wheels
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -66,7 +66,7 @@ class MotionVWAckermann(SpeedCommand):
         self._wheels: JointMotors | None = None
         self._steering: JointMotors | None = None
         if left and right and len(steering) == 2:
-            self._wheels = JointMotors.of_wheels(body, left + right, joint_wheels(body))
+            self._wheels = JointMotors.of_wheels(body, left + right, joint_wheels(body.node))
             self._steering = JointMotors(body, steering, Control.POSITION)
             self._measure(body, [*left, *right], steering)
         else:
@@ -79,7 +79,7 @@ class MotionVWAckermann(SpeedCommand):
 
     def _measure(self, body: Body, wheels: Sequence[str], steering: Sequence[str]) -> None:
         """Measure on the model what the script does not set."""
-        joints = {wheel.joint: wheel for wheel in joint_wheels(body)}
+        joints = {wheel.joint: wheel for wheel in joint_wheels(body.node)}
         angles, steering_angles = [joints[name] for name in wheels], [joints[name] for name in steering]
         self._radius = self._radius or fmean(wheel.radius for wheel in angles)
         self._base = self._base or abs(fmean(one.x for one in steering_angles) - fmean(one.x for one in angles))

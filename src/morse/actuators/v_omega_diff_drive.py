@@ -8,8 +8,8 @@ from morse.actuators.speed_command import SpeedCommand
 from morse.core.wheeled_robot import PhysicsDifferentialRobot, drives_wheels
 from morse.helpers.components import add_property, while_same
 from morse.helpers.differential_drive import differential_drive, joint_list
-from morse.helpers.joint_motors import JointMotors, joint_names
-from morse.helpers.joint_wheels import WHEEL_LENGTH, joint_wheels
+from morse.helpers.joint_motors import WHEEL_LENGTH, JointMotors, joint_names
+from morse.scene.joint_wheels import joint_wheels
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -24,7 +24,9 @@ class MotionVWDiff(SpeedCommand):
     ``left`` and ``right`` name other joints, as in ``MotionVWDiff(left="left_wheel", right="right_wheel")``.
 
     Wheels that are joints turn at (v - w s / 2) / r on the left and (v + w s / 2) / r on the right, with the separation
-    s and the radius r, which are those of the shapes unless ``WheelSeparation`` and ``WheelRadius`` are set.
+    s and the radius r, which are those of the shapes unless ``WheelSeparation`` and ``WheelRadius`` are set. Wheels in
+    front of others slide sideways in a turn; s is then the distance at which the forces of friction are in balance:
+    T + 4 b^2 / T with the track T, wheels at distances b in front and behind, and the centre of mass in the middle.
     """
 
     _name = "Differential Driver Actuator: Linear and angular speed (Vx, W) actuator"
@@ -40,7 +42,7 @@ class MotionVWDiff(SpeedCommand):
         0.0,
         "WheelSeparation",
         "float",
-        "Distance between left and right wheels that are joints; 0: between the middles of their shapes",
+        "Distance between left and right wheels that are joints; 0: computed from the middles of their shapes",
         **WHEEL_LENGTH,
     )
 
@@ -64,7 +66,7 @@ class MotionVWDiff(SpeedCommand):
                 "wheeled robot such as Pioneer3DX or SegwayRMP400, or name the joints of its wheels: "
                 f"MotionVWDiff(left='left_wheel', right='right_wheel'); {joint_list(body)}"
             )
-        self._wheels = JointMotors.of_wheels(body, drive.joints, joint_wheels(body))
+        self._wheels = JointMotors.of_wheels(body, drive.joints, joint_wheels(body.node))
         self._radii = [self._radius or radius for radius in drive.radii]
         half = 0.5 * (self._separation or drive.separation)
         self._levers = [side * half for side in drive.sides]
@@ -74,6 +76,8 @@ class MotionVWDiff(SpeedCommand):
                 "properties(WheelRadius=0.1, WheelSeparation=0.4)"
             )
         self._signs = drive.signs
+        for text in drive.hindrances:
+            self.context.complaints.warn(f"{self.name()}: {text}", f"{self.name()}: {text}")
 
     def may_wait(self) -> bool:
         """Whether the wheels are no joints, and turn at the same speeds until the next command, without limits."""

@@ -5,14 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Self
 
 from morse.core.reports.hints import nearest
-from morse.helpers.joint_wheels import rolling_wheels
 from morse.scene import Control
+from morse.scene.joint_wheels import rolling_wheels
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.values import Fields
     from morse.core.world import Body, Joints
-    from morse.helpers.joint_wheels import JointWheel
+    from morse.scene.joint_wheels import JointWheel
+
+#: unit and range of the properties of drives that are lengths of wheels, or between wheels
+WHEEL_LENGTH: Fields = {"unit": "m", "low": 0.0, "high": 100.0}
 
 
 def joint_names(text: str) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from morse.kernel.driving.turns import arc, turn_by
 from morse.physics.driving.calibration import FLOOR, Slowdown
 from morse.physics.driving.command import Command, midway
-from morse.physics.driving.wheel_casters import is_caster
+from morse.physics.driving.supports import supports
 from morse.physics.gliding import glide_velocity
 from morse.physics.model.damping import set_damping
 from morse.physics.model.layout import Motion
@@ -392,7 +392,8 @@ class Drives:
         if surfaces is None:
             state = self._state
             fixed = slot.frame.node.body.friction is not None or state.physics_of_1_4
-            shapes = [(geoms, node) for node, geoms in slot.geoms.items() if not is_caster(node)]
+            casters = supports(slot.frame)
+            shapes = [(geoms, node) for node, geoms in slot.geoms.items() if node not in casters]
             shapes += [part for link in state.links.get(index, ()) for part in _shapes(state.slots[link])]
             rows = [(geom, 2 * (fixed or node.body.friction is not None)) for geoms, node in shapes for geom in geoms]
             rows += [(foot, 2 * fixed) for foot in slot.feet]

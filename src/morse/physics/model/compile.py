@@ -14,7 +14,7 @@ import numpy as np
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.portable import matmul
 from morse.physics.driving.calibration import friction_of
-from morse.physics.driving.wheel_casters import caster_floor, is_caster, rise
+from morse.physics.driving.supports import round_wheels, supports
 from morse.physics.gliding.feet import Stance, stance, trimmed
 from morse.physics.gliding.plane_builder import PlaneBuilder
 from morse.physics.model.articulated import Articulated, is_single_link
@@ -121,6 +121,7 @@ def compile_scene(scene: Scene) -> Compiled:
 def _compile(scene: Scene) -> Compiled:
     settings = scene.settings
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
+    rolling = round_wheels(frames)
     models = models_of(frames)
     bounces = any(node.body.restitution is not None for frame in frames for node in frame.members)
     limit = min([BOUNCING_STEP if bounces else MAX_STEP, *(model.step for model in models)])
@@ -134,6 +135,7 @@ def _compile(scene: Scene) -> Compiled:
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     builder = _Builder(spec, frames)
     builder.physics_of_1_4, builder.as_in_files = settings.physics_of_1_4, as_in_files
+    builder.rolling = rolling
     slots = [builder.add(frame) for frame in frames]
     if as_in_files:
         set_options(spec, builder.files.parts[0])
@@ -209,6 +211,8 @@ class _Builder:
         self._step = spec.option.timestep
         self.files, self.as_in_files = Files(spec), False
         self.physics_of_1_4 = False
+        #: the ellipsoids that stand for the cylinders of wheels
+        self.rolling: dict[CollisionShape, CollisionShape] = {}
 
     def add(self, frame: Frame) -> Slot:
         slot = Slot(frame, rigid_frame(frame.node))
@@ -268,18 +272,19 @@ class _Builder:
         gets_planes = self._has_wheels and frame.motion is Motion.FIXED
         pose = _ORIGIN if slot.body == 0 else slot.pose
         turned = as_array(pose.rotation)
-        stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
+        stand, raised = self._stance(frame, slot), supports(frame)
         for node in frame.solid:
             position, rotation = relative_pose(node, pose)
+            if raised.get(node):
+                position = position + np.array([0.0, 0.0, raised[node]])
             if heavy and node.body.type is PhysicsType.SENSOR:
                 self._add_feelers(node, slot, body, pose)
                 continue
             for shape in node.shapes or ():
-                if is_caster(node) and frame.motion is not Motion.JOINT:
-                    position = position + np.array([0.0, 0.0, rise(shape, position, rotation, floor)])
                 geom = self.files.geom(frame, node)
                 if geom is None:
-                    fitted = shape if stand is None else trimmed(shape, position, rotation, stand) or shape
+                    fitted = self.rolling.get(shape, shape)
+                    fitted = fitted if stand is None else trimmed(fitted, position, rotation, stand) or fitted
                     geom = self._add_geom(body, fitted, position, rotation)
                     geom.mass = mass * volume(shape) / total
                     self.files.set_contact(frame, node, geom)
@@ -391,8 +396,7 @@ class _Builder:
         if bounces:
             geom.solref, geom.solimp = solver_of(max(bounces), self._step), IMPEDANCE
             geom.priority = max(geom.priority, 1)
-        # a caster with a joint rolls, others slide
-        if is_caster(node) and frame.motion is not Motion.JOINT:
+        if node in supports(frame):
             geom.condim, geom.priority = 1, 3
         if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
             geom.contype = geom.conaffinity = 0

@@ -25,7 +25,7 @@ class Motion(StrEnum):
     VIRTUAL = "virtual"
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False, slots=True, weakref_slot=True)
 class Frame:
     """A rigid group of nodes.
 

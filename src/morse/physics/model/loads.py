@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.mathutils.portable import norm
+from morse.physics.model.inertia import bounding_box
 from morse.physics.model.layout import Motion
 from morse.physics.model.motors import Load, weight
+from morse.physics.poses.poses import as_array
+from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -90,14 +93,15 @@ class Loads:
         """
         load = self._reached(entry.frame, entry.anchor)
         root = root_of(entry.frame)
-        mass, inertia, moment = 0.0, 0.0, 0.0
+        mass, inertia, moment, down = 0.0, 0.0, 0.0, 0.0
         if root.motion is Motion.FREE:
             if root not in self._trees:
                 self._trees[root] = _Tree(self._below_first(root), self._groups)
             mass, inertia, moment = self._trees[root].without(entry.frame, self._counts[entry.frame], entry.anchor)
+        down = _reach_down(entry) if mass and not entry.limit.limited else 0.0
         if slides:
             return Load(load.mass, weight(load.mass, 1.0), mass, weight(mass, 1.0), slides)
-        return Load(load.second + load.inertia, weight(load.first, 1.0), inertia, moment, slides)
+        return Load(load.second + load.inertia, weight(load.first, 1.0), inertia, moment, slides, down)
 
     def _reached(self, frame: Frame, anchor: NDArray[np.float64]) -> _Stretched:
         """Return a frame and what is below it, as seen from a joint of the frame."""
@@ -117,6 +121,18 @@ class Loads:
             order.append(queue.pop())
             queue += self._below.get(order[-1], ())
         return order
+
+
+def _reach_down(entry: AddedJoint) -> float:
+    """Return how far the shapes that a joint moves reach below it, m: the radius of a wheel."""
+    frame = entry.frame
+    lows = [
+        float(bounding_box(shape, np.array(place.position), as_array(place.rotation))[0][2])
+        for node in frame.solid
+        for place in (rigid_frame(node),)
+        for shape in node.shapes or ()
+    ]
+    return max(0.0, float(entry.anchor[2]) - min(lows)) if lows else 0.0
 
 
 def root_of(frame: Frame) -> Frame:

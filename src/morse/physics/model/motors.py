@@ -13,10 +13,14 @@ computed from the largest load of the motor:
 * in the leg of a robot that is not fixed, from the robot that stands on the leg: k = 10 m g l, with which it does not
   topple over its ankle (an inverted pendulum needs m g l);
 * d = 2 sqrt(k I), critically damped. For a motor that controls a velocity, d = 10 I / h, where h is the time step. If
-  such a motor has a largest effort, the joint lags by at most 0.1 rad/s (2 cm/s), and d h is the inertia of its rotor.
+  such a motor has a largest effort, the joint lags by at most 0.1 rad/s (2 cm/s) and its rotor has at least the inertia
+  d h / 2, since the largest effort would turn a lighter one past the speed within a step. The rotor of a wheel is no
+  heavier than what the largest effort speeds up at 5 m/s^2, so that it does not slow down the start; the wheel then
+  lags by more if it needs its largest effort.
 
 In a robot that is not fixed, the largest effort of a joint without limits is at most the moment of the weight of the
-rest of the robot about the joint: a stronger wheel would throw the robot over.
+rest of the robot about the joint, and what its own friction and damping take: a stronger wheel would throw the robot
+over.
 
 A motor for positions also gets a rotor with the inertia d h / 2, where h is the time step, like the motors and gears of
 real robots. Without a rotor, a motor at its largest effort could reverse a light link within a step, and the link would
@@ -60,6 +64,10 @@ _UPRIGHT = 10.0
 _STIFF = 0.25
 #: largest effort of a joint without limits that carries an arm, as a multiple of the moment of its weight
 _WHEEL = 2.0
+#: speed at which such a joint overcomes its own damping, rad/s
+_FAST = 20.0
+#: acceleration of the tread of a wheel by its largest effort, m/s^2
+_START = 5.0
 _GRAVITY = 9.81
 
 #: the arrays of a model of the engine that contain the settings of motors
@@ -76,6 +84,7 @@ class Load(NamedTuple):
             fixed.
         tilt: moment of the weight of this rest, N m (weight, N).
         slides: whether the joint is prismatic.
+        radius: of a wheel of a robot that is not fixed, m; otherwise 0.
     """
 
     inertia: float
@@ -83,6 +92,7 @@ class Load(NamedTuple):
     body: float
     tilt: float
     slides: bool
+    radius: float = 0.0
 
 
 class Setting(NamedTuple):
@@ -118,7 +128,8 @@ class Motor:
         dynamics, load = self.dynamics, self.load
         if dynamics.limited or load.slides or not load.tilt:
             return dynamics.effort
-        return min(dynamics.effort, max(load.tilt, _WHEEL * load.moment))
+        taken = dynamics.friction + dynamics.damping * _FAST
+        return min(dynamics.effort, max(load.tilt, _WHEEL * load.moment) + taken)
 
     def setting(self, control: Control) -> Setting:
         """Return the setting for a control mode."""
@@ -132,11 +143,18 @@ class Motor:
         if control is Control.VELOCITY:
             if gain is None and math.isfinite(self.effort):
                 gain = max(inertia / step, self.effort / _LAG[load.slides])
-                rotor = max(rotor, gain * step - load.inertia)
+                if load.radius:
+                    own_friction = 5.0 * dynamics.friction / _LAG[load.slides]
+                    heaviest = max(inertia, self.effort * load.radius / _START)
+                    gain = min(gain, max(2.0 * heaviest / step, own_friction))
+                rotor = max(rotor, 0.5 * gain * step - load.inertia)
             elif gain is None:
                 rotor = max(rotor, inertia)
                 gain = _GRIP * max(inertia, load.body) / step
-            return Setting(gain, 0.0, gain, rotor)
+            else:
+                return Setting(gain, 0.0, gain, rotor)
+            # the damping of the joint takes its part of the effort
+            return Setting(gain + dynamics.damping, 0.0, gain, rotor)
         slowing = dynamics.slowing if own else None
         if gain is None:
             gain = max(inertia * _FREQUENCY**2, load.moment / _SAG[load.slides])

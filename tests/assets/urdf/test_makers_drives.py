@@ -1,0 +1,166 @@
+"""Robots drive as commanded, with wheels and casters as their makers describe them."""
+
+from __future__ import annotations
+
+import logging
+import math
+from math import pi
+
+import pytest
+
+#: wheels have a friction that holds them, unless a maker sets another
+_LYING = f'rpy="{pi / 2} 0 0"'
+
+
+def _link(name: str, mass: float, shape: str = "", pose: str = "", more: str = "") -> str:
+    solid = f"<collision><origin {pose}/><geometry>{shape}</geometry></collision>" if shape else ""
+    moment = 0.01 * mass
+    inertia = f'<inertia ixx="{moment}" iyy="{moment}" izz="{moment}" ixy="0" ixz="0" iyz="0"/>'
+    return f'<link name="{name}"><inertial><mass value="{mass}"/>{inertia}</inertial>{solid}</link>{more}'
+
+
+def _joint(
+    name: str, kind: str, child: str, place: str, axis: str = "0 1 0", rest: str = "", parent="base_link"
+) -> str:
+    ends = f'<parent link="{parent}"/><child link="{child}"/>'
+    return f'<joint name="{name}" type="{kind}">{ends}<origin {place}/><axis xyz="{axis}"/>{rest}</joint>'
+
+
+def _pair(shape: str, pose: str = "", x: float = 0.0, rest: str = "", radius: float = 0.1, name: str = "") -> str:
+    return "".join(
+        _link(f"{name}{side}", 0.5, shape, pose)
+        + _joint(f"{name}{side}_joint", "continuous", f"{name}{side}", f'xyz="{x} {y} {radius}"', rest=rest)
+        for side, y in (("left", 0.15), ("right", -0.15))
+    )
+
+
+CYLINDER, BOX = '<cylinder radius="0.1" length="0.06"/>', '<box size="0.2 0.06 0.2"/>'
+BALL = '<sphere radius="0.03"/>'
+BASE = _link("base_link", 8, '<box size="0.4 0.2 0.08"/>', 'xyz="0 0 0.12"')
+#: the body of the robot is a tub that stands on the ground, as that of Fetch
+TUB = _link("base_link", 8, '<box size="0.5 0.2 0.2"/>', 'xyz="0 0 0.1"')
+REAR = _link("rear", 0.1, BALL) + _joint("rear_joint", "fixed", "rear", 'xyz="-0.18 0 0.03"')
+FRONT = _link("front", 0.1, BALL) + _joint("front_joint", "fixed", "front", 'xyz="0.18 0 0.03"')
+STIFF = '<dynamics damping="2" friction="1"/>'
+WEAK = '<limit effort="3" velocity="40"/>'
+MASSLESS = (
+    '<link name="carrier"/>' + _joint("carry", "fixed", "carrier", 'xyz="0 0 0"')
+    + _link("left", 0.5, CYLINDER, _LYING) + _link("right", 0.5, CYLINDER, _LYING)
+    + _joint("left_joint", "continuous", "left", 'xyz="0 0.15 0.1"', parent="carrier")
+    + _joint("right_joint", "continuous", "right", 'xyz="0 -0.15 0.1"', "0 -1 0", parent="carrier")
+)  # fmt: skip
+TURNED = "".join(
+    _link(side, 0.5, CYLINDER)
+    + _joint(f"{side}_joint", "continuous", side, f'xyz="0 {y} 0.1" rpy="{-pi / 2} 0 0"', "0 0 1")
+    for side, y in (("left", 0.15), ("right", -0.15))
+)
+ROUND = _pair(CYLINDER, _LYING)
+#: what makers do, and whether the wheels are round
+MAKERS = {
+    "fixed casters": BASE + ROUND + REAR + FRONT,
+    "a tub on the ground": TUB + ROUND,
+    "boxes around wheels and body": TUB + _pair(BOX) + REAR,
+    "damping and dry friction": BASE + _pair(CYLINDER, _LYING, rest=STIFF) + REAR + FRONT,
+    "motors with a largest effort": BASE + _pair(CYLINDER, _LYING, rest=WEAK) + REAR + FRONT,
+    "a link without a mass, mirrored axes": BASE + MASSLESS + REAR + FRONT,
+    "frames of wheels that are turned": BASE + TURNED + REAR + FRONT,
+}
+SCENE = """robot = Robot({file!r})
+robot.translate(z=0.002)
+motion = MotionVWDiff()
+robot.append(motion)
+pose = Pose()
+robot.append(pose)
+env = Environment('empty')
+"""
+
+
+@pytest.fixture
+def robot(simulate, tmp_path):
+    def load(text: str):
+        path = tmp_path / "cart.urdf"
+        path.write_text(f'<robot name="cart">{text}</robot>')
+        simulation = simulate(SCENE.format(file=str(path)), sockets=False)
+        simulation.step(60)
+        return simulation
+
+    return load
+
+
+def driven(simulation) -> tuple[float, float]:
+    """The distance in 4 s at 0.3 m/s, m, and the angle turned in 2 s at 0.5 rad/s, from rest."""
+    pose, motion = simulation.robot.pose, simulation.robot.motion
+    start = pose.get()
+    motion.publish({"v": 0.3, "w": 0.0})
+    simulation.step(240)
+    end = pose.get()
+    motion.publish({"v": 0.0, "w": 0.0})
+    simulation.step(60)
+    yaw = pose.get()["yaw"]
+    motion.publish({"v": 0.0, "w": 0.5})
+    simulation.step(120)
+    turned = math.remainder(pose.get()["yaw"] - yaw, math.tau)
+    return math.hypot(end["x"] - start["x"], end["y"] - start["y"]), turned
+
+
+@pytest.mark.parametrize("text", MAKERS.values(), ids=MAKERS)
+def test_a_robot_drives_as_commanded(robot, text) -> None:
+    distance, turned = driven(robot(text))
+    assert distance == pytest.approx(1.2, rel=0.02)
+    assert turned == pytest.approx(1.0, rel=0.05)
+
+
+#: the centre of mass is in the middle of four wheels, and behind it
+SKIDDING = {"even": 0.0, "heavy behind": -0.06}
+
+
+@pytest.mark.parametrize("middle", SKIDDING.values(), ids=SKIDDING)
+def test_four_wheels_turn_as_commanded(robot, middle) -> None:
+    """The distance between the wheels that counts follows from where they are, and from the centre of mass."""
+    corners = _pair(CYLINDER, _LYING, x=0.14, name="front_") + _pair(CYLINDER, _LYING, x=-0.14, name="rear_")
+    distance, turned = driven(robot(BASE.replace("<inertial>", f'<inertial><origin xyz="{middle} 0 0"/>') + corners))
+    assert distance == pytest.approx(1.2, rel=0.02)
+    assert turned == pytest.approx(1.0, rel=0.08)
+
+
+def test_wheels_on_legs_drive(robot) -> None:
+    """The joints of a leg do not steer; the knees yield in a turn, which takes part of it."""
+    legs = "".join(
+        _link(f"leg_{end}_{side}", 0.5)
+        + _joint(
+            f"knee_{end}_{side}", "revolute", f"leg_{end}_{side}", f'xyz="{x} {y} 0.3"',
+            rest='<limit lower="-1" upper="1" effort="200" velocity="20"/>',
+        )
+        + _link(f"{end}_{side}", 0.5, CYLINDER, _LYING)
+        + _joint(f"w_{end}_{side}", "continuous", f"{end}_{side}", 'xyz="0 0 -0.2"', parent=f"leg_{end}_{side}")
+        for end, x in (("front", 0.15), ("rear", -0.15)) for side, y in (("left", 0.2), ("right", -0.2))
+    )  # fmt: skip
+    body = _link("base_link", 8, '<box size="0.4 0.2 0.08"/>', 'xyz="0 0 0.35"')
+    distance, turned = driven(robot(body + legs))
+    assert distance == pytest.approx(1.2, rel=0.02)
+    assert 0.5 < turned < 1.05
+
+
+def _friction(link: str, value: float) -> str:
+    return f'<gazebo reference="{link}"><mu1>{value}</mu1><mu2>{value}</mu2></gazebo>'
+
+
+def test_what_keeps_a_robot_from_its_speed_is_named(robot, caplog) -> None:
+    with caplog.at_level(logging.WARNING):
+        robot(BASE + ROUND + REAR + FRONT + _friction("left", 0.1) + _friction("right", 0.1))
+        robot(BASE + _pair(CYLINDER, _LYING, rest=STIFF + '<limit effort="2" velocity="40"/>') + REAR)
+        robot(BASE + _pair(CYLINDER, _LYING, rest='<limit effort="20" velocity="1"/>') + REAR)
+        robot(TUB + _pair(BOX))
+    assert "the friction of 0.1 of its wheels in the file lets them slip" in caplog.text
+    assert "'left_joint' take 7 N m at 0.3 m/s, more than the 2 N m of its motor" in caplog.text
+    assert "'left_joint' turns at most at 1 rad/s in the file, 0.1 m/s" in caplog.text
+    assert "'left_joint', 'right_joint' are boxes in the file, which do not roll" in caplog.text
+
+
+def test_a_caster_of_a_file_keeps_its_friction(robot) -> None:
+    """Casters are found by where they end, not by names, and brake if their file says so."""
+    slides, turned = driven(robot(BASE + ROUND + REAR + FRONT))
+    brakes, _ = driven(robot(BASE + ROUND + REAR.replace("rear", "caster") + FRONT + _friction("caster", 0.9)))
+    assert slides == pytest.approx(1.2, rel=0.02)
+    assert turned == pytest.approx(1.0, rel=0.05)
+    assert brakes < slides
