@@ -247,6 +247,7 @@ class Hokuyo(LaserSensorWithArc):
         layers: int = ...,
         layer_separation: float = ...,
         layer_offset: float = ...,
+        on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -283,6 +284,7 @@ class Infrared(LaserSensorWithArc):
         layers: int = ...,
         layer_separation: float = ...,
         layer_offset: float = ...,
+        on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -299,6 +301,7 @@ class LaserScanner(LaserSensorWithArc):
         layers: int = ...,
         layer_separation: float = ...,
         layer_offset: float = ...,
+        on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -383,6 +386,7 @@ class RangeFinder(SensorCreator):
         cone: float = ...,
         resolution: float = ...,
         radiation: Literal["infrared", "ultrasound", "radar"] = ...,
+        on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -489,6 +493,7 @@ class Sick(LaserSensorWithArc):
         layers: int = ...,
         layer_separation: float = ...,
         layer_offset: float = ...,
+        on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -505,6 +510,7 @@ class SickLDMRS(LaserSensorWithArc):
         layers: int = ...,
         layer_separation: float = ...,
         layer_offset: float = ...,
+        on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -560,6 +566,7 @@ class UltrasonicRangeFinder(SensorCreator):
         cone: float = ...,
         resolution: float = ...,
         radiation: Literal["infrared", "ultrasound", "radar"] = ...,
+        on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -625,6 +632,7 @@ class VelodyneRayCast(LaserSensorWithArc):
         layers: int = ...,
         layer_separation: float = ...,
         layer_offset: float = ...,
+        on_demand: bool = ...,
         rotation: float = ...,
         **kwargs: Any,
     ) -> None: ...

@@ -39,6 +39,9 @@ class Entry(Protocol):
     def data_of(self, member: Component) -> Fields:
         """Return the data of a component."""
 
+    def kept_of(self, member: Component) -> Fields:
+        """Return the data of a component without casting or rendering anything for a reader."""
+
     def release(self) -> None:
         """Let all components act in each tick."""
 
@@ -166,6 +169,9 @@ class Component(Offering, Protocol):
 
     def action(self) -> None:
         """Perform one tick."""
+
+    def is_wanted(self) -> bool:
+        """Whether its requests are answered."""
 
     def may_wait(self) -> bool:
         """Whether the action may be omitted while it has nothing to do."""

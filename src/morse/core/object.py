@@ -177,7 +177,7 @@ class Object(Requesting, AbstractObject):
 
         Override it together with `set_state` for a component that keeps a part of its state elsewhere.
         """
-        data = None if self._in_rows is None else self._in_rows.data_of(self)
+        data = None if self._in_rows is None else self._in_rows.kept_of(self)
         own = state_of(self)
         # the same order, whether it is a row or not; the others keep their order, because views follow their arrays
         if data is not None or "local_data" in own:
@@ -246,6 +246,10 @@ class Object(Requesting, AbstractObject):
     def toggle_active(self) -> None:
         """Switch between active and inactive."""
         self.active = not self._active
+
+    def is_wanted(self) -> bool:
+        """Whether its requests are answered: those of a sensor that nobody reads may cost more than the physics."""
+        return True
 
     def may_wait(self) -> bool:
         """Whether the action may be omitted while it has nothing to do, as its class declares (`morse.core.rows`).

@@ -103,7 +103,7 @@ def _serve(components: Iterable[Component]) -> None:
 def _by_server(components: Iterable[Component]) -> dict[Server[Request], list[Request]]:
     by_server: dict[Server[Request], list[Request]] = {}
     for component in components:
-        if component.active:
+        if component.active and component.is_wanted():
             for request in component.requests:
                 by_server.setdefault(request.server, []).append(request)
     return by_server

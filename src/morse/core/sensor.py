@@ -8,8 +8,8 @@ from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
-from morse.core.rows.lazy_data import LazyData, present_data
-from morse.core.rows.marks import is_on_read, is_overridden
+from morse.core.rows.lazy_data import LazyData, OnDemand, hold_on_demand, present_data
+from morse.core.rows.marks import is_on_read, is_overridden, waiting
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
 from morse.core.values import Fields, Value
@@ -37,6 +37,9 @@ class Sensor(Object):
     Attributes:
         realism: delay and noise, or None for an ideal sensor.
         capturing: whether a camera captures images at present; None for a sensor without images.
+        on_demand: whether it measures only while somebody reads it, as sensors of model files do whose rays or images
+            cost time.
+        watched: whether the live view shows what it measures.
     """
 
     robot_parent: Robot
@@ -47,13 +50,15 @@ class Sensor(Object):
     add_state("realism", object, "Delay and noise: what was measured and is not published yet")
 
     realism: Realism | None = None
+    on_demand: bool = False
+    watched = False
     #: the remedy if ``noise()`` without a field changes no field
     noise_mend: ClassVar[str] = "because the sensor measures no numbers"
     #: fields that cannot have noise, although they are arrays of numbers
     without_noise: ClassVar[tuple[str, ...]] = ()
     #: whether the class overrides `report`
     _reports: ClassVar[bool] = False
-    not_state: ClassVar[tuple[str, ...]] = ("observed", "observed_before")
+    not_state: ClassVar[tuple[str, ...]] = ("observed", "observed_before", "watched")
     #: what `observe` has returned at the time of a measurement that is computed later, and of the measurement before
     observed: Value = None
     observed_before: Value = None
@@ -107,7 +112,16 @@ class Sensor(Object):
 
     def rests(self) -> bool:
         """Whether its next actions change nothing but its own pose and time, as long as nobody outside of it acts."""
-        return not self._active and type(self).action is Sensor.action and not is_overridden(self)
+        is_idle = not self._active or not self.is_wanted()
+        return is_idle and type(self).action is Sensor.action and not is_overridden(self)
+
+    def is_wanted(self) -> bool:
+        """Whether somebody reads the data: a stream with a reader, a page, a program; always, unless `on_demand`."""
+        if not self.on_demand or self._is_read or self.watched:
+            return True
+        if isinstance(self._in_rows, OnDemand) and self._in_rows.is_asked:
+            return True
+        return any((sign := waiting(function)) is None or bool(sign) for function in self.output_functions)
 
     def default_action(self) -> None:
         """One measurement."""
@@ -122,6 +136,15 @@ class Sensor(Object):
         """One measurement: pose, time, `default_action`, `report`, modifiers, streams."""
         if not self._active:
             return
+        if self.on_demand:
+            entry = self._in_rows or hold_on_demand(self)
+            if isinstance(entry, OnDemand):
+                entry.act()
+                return
+        self.act()
+
+    def act(self) -> None:
+        """`action` of a sensor that is active and that somebody reads."""
         if self.realism is not None:
             self.realism.act()
             return

@@ -114,6 +114,8 @@ class RowArrays(ABC):
         """
         handles = self._handles(component)
         layout = self._layout(component, fields)
+        for row in self._rows(None):
+            self._simulation_of(row).measure_always(self.name_in(row, component))
         column = DataColumn(layout, handles)
         self._add_reading(column)
         return column.array
@@ -158,7 +160,8 @@ class RowArrays(ABC):
                 probe.step(1, measure=True)
                 context = probe.context
                 parts: dict[str, Component] = {**context.robots, **context.components}
-                self._samples = {name: dict(present_data(part)) for name, part in parts.items()}
+                measured = {name: part for name, part in parts.items() if not getattr(part, "on_demand", False)}
+                self._samples = {name: dict(present_data(part)) for name, part in measured.items()}
         # what was spawned is not there
         sample = self._samples.get(handle.fqn, data)
         return Layout(component, fields or tuple(sample), sample)

@@ -12,7 +12,7 @@ import numpy as np
 from morse.core.kinds import GENERAL, Message, fields_of
 from morse.core.kinds.slot_values import as_slot
 from morse.core.rows.columns import columns_of
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.lazy_data import known_data
 from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
@@ -80,10 +80,16 @@ class RecordedStream(TopicStream):
         """Whether all data and messages follow from columns, see `morse.core.rows.columns`."""
         component = self.component_instance
         columns = columns_of(type(component))
-        if columns is None or self.moves_frames or any(bound.kind.name == GENERAL for bound, _ in self.sending):
+        is_on_demand = isinstance(component, Sensor) and component.on_demand  # it is no row
+        if (
+            columns is None
+            or is_on_demand
+            or self.moves_frames
+            or any(bound.kind.name == GENERAL for bound, _ in self.sending)
+        ):
             return False
         fields = fields_of(component)
-        others = present_data(component).keys() - {"timestamp", *columns.fields}
+        others = known_data(component).keys() - {"timestamp", *columns.fields}
         return all(name in fields and fields[name].follows for name in others) and all(
             line.ready is None and line.message is None for line in self.form[0]
         )

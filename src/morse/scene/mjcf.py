@@ -93,6 +93,7 @@ class MjcfModel:
             ``priority`` of the plane that is the floor of the file, or of a plane without settings.
         is_joined: whether a constraint of the file joins it with another part.
         has_floor: whether the file has a plane that is the floor, on which its robot is placed.
+        floors: names of the nodes of level planes below height 0, in a file without one at height 0.
     """
 
     file: MjcfFile
@@ -105,6 +106,7 @@ class MjcfModel:
     ground: tuple[float, ...] = DEFAULT_CONTACT
     is_joined: bool = False
     has_floor: bool = False
+    floors: tuple[str, ...] = ()
 
 
 def name_all(spec: Any) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseBuilderError, MorseRPCTypeError
+from morse.core.rows.lazy_data import known_data
 from morse.core.rows.marks import is_overridden
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
@@ -73,7 +74,6 @@ class Camera(Sensor):
     Attributes:
         image_width, image_height: pixels.
         capturing: whether it captures images at present.
-        watched: whether the live view shows its images.
         color: whether its images contain colours, not only depth.
         normals: whether its images contain normals.
         uses: the fields of `morse.rendering.Picture` that `take` uses, if `take` only depends on the image, ``noted``
@@ -134,7 +134,7 @@ class Camera(Sensor):
         high=1e3,
     )
     is_camera = True
-    add_property("on_demand", False, "on_demand", "bool", "Pictures are only taken while somebody reads them")
+    add_property("on_demand", False, "on_demand", "bool", "Images are only taken while somebody reads them")
     add_property("capturing", True, "capturing", "bool", "Take pictures")
 
     add_state("_left", int, "Number of remaining images; negative for no limit")
@@ -145,7 +145,6 @@ class Camera(Sensor):
     normals = False
     uses: ClassVar[tuple[str, ...] | None] = None
     noted: Any = None
-    watched = False
     _taken_from: Pose | None = None
 
     image_width: int
@@ -202,8 +201,9 @@ class Camera(Sensor):
         """
         self._made_of = self._lens_of = self._lens_properties()
         self.lens = self._make_lens()
-        if "intrinsic_matrix" in self.local_data:
-            self.local_data["intrinsic_matrix"] = self.lens.matrix
+        data = known_data(self)
+        if "intrinsic_matrix" in data:
+            data["intrinsic_matrix"] = self.lens.matrix
 
     def _lens_properties(self) -> tuple[Any, ...]:
         return tuple(getattr(self, name) for name in _OF_LENS)
@@ -253,19 +253,19 @@ class Camera(Sensor):
     def _wants(self) -> bool:
         # asked before each image
         self.request.screen_space_error = self.screen_space_error
-        self.request.color = self.color or (self.watched and "image" not in self.local_data)
-        return self.capturing and self._left != 0 and self._is_wanted()
+        self.request.color = self.color or (self.watched and "image" not in known_data(self))
+        return self.capturing and self._left != 0 and self.is_wanted()
 
-    def _is_wanted(self) -> bool:
+    def is_wanted(self) -> bool:
         """Whether somebody reads the images, or they are taken anyway."""
-        return not self.on_demand or self.watched or bool(self.output_functions) or self._left > 0
+        return self._left > 0 or super().is_wanted()
 
     def rests(self) -> bool:
         """Whether no image is due, and no method of a subclass is called."""
         cls = type(self)
         return super().rests() or (
             self._left != 0
-            and not (self.capturing and self._is_wanted())
+            and not (self.capturing and self.is_wanted())
             and self.realism is None
             and not (self.output_functions or self.output_modifiers or self._reports or is_overridden(self))
             and cls.measure is Camera.measure
@@ -312,7 +312,7 @@ class Camera(Sensor):
                 if self.on_completion is not None and self.running_service == "capture":
                     self.completed(SUCCESS)
             return False
-        if not self.capturing or not self._is_wanted():
+        if not self.capturing or not self.is_wanted():
             return False
         if self.has_other_lens():
             self.drop_under_way()
@@ -343,8 +343,7 @@ class Camera(Sensor):
 
     def shown(self) -> Mapping[str, Any]:
         """The fields ``image``, ``timestamp`` and ``objects`` as the live view shows them."""
-        data: Fields = self.local_data
-        return data
+        return known_data(self)
 
     def note(self) -> object:
         """Return the data of the world for `take` at the tick of an image, as plain data; see ``noted``."""

@@ -206,6 +206,7 @@ class LaserScanner(Sensor):
     add_property("layer_separation", 0.8, "layer_separation", "float", "Angle between two layers", **_SEPARATION)
     add_property("layer_offset", 0.125, "layer_offset", "float", "Horizontal rotation of every other layer", **_OFFSET)
 
+    add_property("on_demand", False, "on_demand", "bool", "Rays are only cast while somebody reads them")
     add_kind(
         "range",
         level="range",

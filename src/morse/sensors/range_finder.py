@@ -66,6 +66,7 @@ class RangeFinder(Sensor):
         "Kind of radiation",
         choices=("infrared", "ultrasound", "radar"),
     )
+    add_property("on_demand", False, "on_demand", "bool", "Rays are only cast while somebody reads them")
     add_kind(
         "range",
         distance="distance",

@@ -14,6 +14,7 @@ from morse.core.context import Context, Controls, acting, forget
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.parts.overwritten import uncover
 from morse.core.request_manager import MorseServices
+from morse.core.sensor import Sensor
 from morse.middleware.registry import needs_network
 from morse.physics import World
 from morse.scene.image_workers import image_workers
@@ -151,6 +152,18 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
     def schedule(self) -> None:
         """Update the schedule after the components have changed."""
         self._ticker.schedule(self.loaded)
+
+    def measure_always(self, name: str) -> None:
+        """Let a sensor measure at its rate, whoever reads it; sensors of model files may do so only for a reader."""
+        component = self.context.components.get(name)
+        if not isinstance(component, Sensor) or not component.on_demand:
+            return
+        for declaration in self.scene.components:
+            if declaration.name == name:
+                # also after a restart
+                declaration.node.properties["on_demand"] = False
+        component.on_demand = False
+        self.schedule()
 
     def __repr__(self) -> str:
         name = PurePath(self.options.script).name or "a scene"

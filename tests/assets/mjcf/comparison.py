@@ -43,15 +43,13 @@ class Comparison:
 
 
 def plain_model(path: Path) -> mujoco.MjModel:
-    """The file in plain MuJoCo, on a floor at height 0."""
+    """The file in plain MuJoCo, on a floor at height 0 if it has none there or below."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         spec = mujoco.MjSpec.from_file(str(path))
         name_all(spec)
         floors = [
-            geom
-            for geom in spec.worldbody.geoms
-            if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and abs(geom.pos[2]) < 1e-3
+            geom for geom in spec.worldbody.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and geom.pos[2] < 1e-3
         ]
         if not floors:
             plain = mujoco.MjSpec().default.geom

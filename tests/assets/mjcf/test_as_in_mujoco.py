@@ -51,6 +51,8 @@ PINCER = """<mujoco model="pincer"><worldbody><body name="palm"><geom type="box"
 <geom size="0.04" mass="0.1"/>
 </body></body></worldbody><equality><joint joint1="left" joint2="right" polycoef="0.1 -2"/></equality>
 <actuator><position name="grip" joint="left" kp="20" kv="1"/></actuator></mujoco>"""
+LOW_FLOOR = '<geom name="ground" type="plane" size="0 0 1" pos="0 0 -0.4"/>'
+LOW_BALL = '<body name="ball" pos="1 0 -0.2"><freejoint/><geom size="0.05" mass="0.5"/></body>'
 MODELS = {
     "dog": DOG % ("", ""),
     "dog beside furniture": DOG % (
@@ -62,6 +64,9 @@ MODELS = {
     "sled on its fixed base": SLED.format(base=""),
     "sled on a base that decides": SLED.format(base='priority="1"'),
     "motor on the joint that an equality lets follow": PINCER,
+    "dog on its own floor below 0": (DOG % (LOW_FLOOR.replace("-0.4", "-0.9"), ""))
+    .replace('pos="0 0 0.4"', 'pos="0 0 -0.5"'),
+    "arm over its own floor below 0, with a ball": ARM.replace("</worldbody>", LOW_FLOOR + LOW_BALL + "</worldbody>"),
     "ball in a tilted tray": '<mujoco><worldbody><body name="ball" pos="0 0 0.5" euler="0 10 0"><freejoint/><geom '
     'size="0.05" mass="4" solref="0.05 1" solimp="0.1 0.9 0.02" condim="6" friction="1 0.01 0.02"/></body></worldbody>'
     "</mujoco>",
@@ -138,3 +143,32 @@ def test_files_of_others_keep_all_joints(path: Path) -> None:
         pytest.skip("it has no bodies")
     library = read_mjcf(path)
     assert sum(len(node.bones) for node in library.nodes()) == int((plain.jnt_type != 0).sum())
+
+
+LOW = f"""<mujoco model="low"><worldbody>{LOW_FLOOR}
+<body name="base" pos="0 0 -0.3"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="2"/></body></worldbody>
+</mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("more", "environment", "height"),
+    [
+        ("", "empty", -0.3),
+        ("robot.translate(x=1)", "empty", -0.3),
+        # in these scenes the world has the floor
+        ("robot.translate(z=0.5)", "empty", 0.1),
+        ("other = ATRV(); other.translate(x=5)", "empty", 0.1),
+        ("", "indoors-1/boxes", 0.1),
+    ],
+)
+def test_a_scene_has_one_floor(more: str, environment: str, height: float, tmp_path: Path) -> None:
+    (tmp_path / "low.xml").write_text(LOW)
+    (tmp_path / "scene.py").write_text(
+        f"from morse.builder import *\nrobot = Robot({str(tmp_path / 'low.xml')!r})\n{more}\n"
+        f"env = Environment({environment!r})\n"
+    )
+    with morse.load(tmp_path / "scene.py") as sim:
+        sim.step(120)
+        assert sim.context.robots["robot"].bge_object.world_pose()[0][2] == pytest.approx(height, abs=3e-3)
+        has_own = any(node.name.startswith("ground") for root in sim.scene.roots for node in root.walk())
+        assert has_own == (height < 0.0)

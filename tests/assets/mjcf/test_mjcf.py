@@ -197,7 +197,7 @@ def test_a_script_drives_it(folder: Path) -> None:
 def test_cameras_and_sensors(folder: Path) -> None:
     eye, imu = read_mjcf(folder / "crab.xml").sensors
     assert (eye.name, eye.product, eye.link, eye.position) == ("eye", "VideoCamera", "trunk", (0.2, 0.0, 0.05))
-    assert dict(eye.properties) == {"cam_fov": pytest.approx(50.0), "on_demand": True}
+    assert dict(eye.properties) == {"cam_fov": pytest.approx(50.0)}
     # turned by 90 degrees about X, then by -90 about its own Z: it looks along +Y of the trunk, its right is -Z
     columns = np.reshape(eye.rotation, (3, 3)).T
     turned = np.zeros(9)

@@ -139,6 +139,8 @@ class _Reader:
         self._names: set[str] = set()
         self._ground: tuple[float, ...] = DEFAULT_CONTACT
         self._has_floor = False
+        #: numbers of the level planes below height 0
+        self._lower_floors: set[int] = set()
         #: name of the node of a shape to the number of the geom
         self._shape_of: dict[str, int] = {}
 
@@ -264,6 +266,11 @@ class _Reader:
             ground=self._ground,
             is_joined=any((one in own) != (other in own) for one, other in model.joined if one and other),
             has_floor=self._has_floor,
+            floors=tuple(
+                name
+                for node in root.walk()
+                if self._shape_of.get(name := node.source_name or node.name, -1) in self._lower_floors
+            ),
         )
 
     def _link(self, name: str, body: BodyData) -> Node:
@@ -282,17 +289,21 @@ class _Reader:
     # -- shapes ----------------------------------------------------------------------------
 
     def _floor(self) -> tuple[float, ...]:
-        """Return the contact parameters of the plane that is the floor, and leave it out."""
-        floors = [
+        """Return the contact parameters of the plane that is the floor, and leave it out if it is at height 0."""
+        planes = [
             number
             for number in self.model.bodies[0].geoms
             if (geom := self.model.geoms[number]).kind == "plane"
-            and abs(geom.position[2]) <= _FLOOR
+            and geom.position[2] <= _FLOOR
             and abs(geom.quaternion[1]) + abs(geom.quaternion[2]) < 1e-6
         ]
+        floors = [number for number in planes if self.model.geoms[number].position[2] >= -_FLOOR]
         for number in floors:
             self.model.bodies[0].geoms.remove(number)
         self._has_floor = bool(floors)
+        if not floors:
+            floors = [number for number in planes if any(self.model.geoms[number].masks)]
+            self._lower_floors = set(floors)
         return self.model.geoms[floors[0]].contact if floors else DEFAULT_CONTACT
 
     def _add_shapes(self, node: Node, body: BodyData) -> None:

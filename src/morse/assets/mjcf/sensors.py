@@ -97,5 +97,4 @@ def _view(angle: float, width: float, height: float) -> tuple[tuple[str, float |
         wide, high = (int(min(pixels, _MOST_PIXELS)) for pixels in (width, height))
         size = (("cam_width", wide), ("cam_height", high))
         angle = 2.0 * math.degrees(math.atan(math.tan(math.radians(min(angle, 179.0)) / 2.0) * wide / high))
-    # most cameras of files are for other programs, and pictures cost more than the physics
-    return (*size, ("cam_fov", min(max(angle, 1.0), 179.0)), ("on_demand", True))
+    return (*size, ("cam_fov", min(max(angle, 1.0), 179.0)))

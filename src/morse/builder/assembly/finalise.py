@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import logging
 import math
+from dataclasses import replace
 from struct import pack, unpack
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.displaying import Displaying
@@ -20,12 +23,13 @@ from morse.scene.scene_warnings import about
 from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from morse.builder.assembly.description import EnvironmentDescription
     from morse.builder.workspace import Workspace
     from morse.core.values import Properties
-    from morse.scene import SourceLine
+    from morse.scene import Node, SourceLine
+    from morse.scene.mjcf import MjcfModel
 
 
 def distribute(robots: Sequence[Robot], shares: Mapping[str, Sequence[str]]) -> None:
@@ -87,6 +91,8 @@ logger = logging.getLogger(__name__)
 
 #: properties of the world that place its origin on the Earth
 _ORIGIN = ("longitude", "latitude", "altitude")
+#: largest height of ground that is level, m
+_LEVEL = 1e-3
 #: m; numbers of 64 bits are a micrometre apart there
 _FARTHEST = 1e9
 
@@ -125,6 +131,7 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
     _slow_down(own, settings.frequency)
     _tell_doubles(own)
     _tell_ports(own)
+    _keep_one_floor(workspace)
     for part in workspace.components:
         if isinstance(part, AbstractComponent):
             part.scene_node.where = part._where
@@ -145,6 +152,72 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
         interfaces=list(environment._default_interfaces),
         log_levels=environment._log_levels,
     )
+
+
+def _keep_one_floor(workspace: Workspace) -> None:
+    """Leave either the floor of the world, or those of MJCF files below height 0.
+
+    Robots of these files, whose poses refer to their floor, keep it in a world that is nothing but ground, as `empty`
+    is, or that has nothing to stand on. If anything else stands in the scene, or the script has raised or lowered a
+    robot, the world has the floor, and what the script has not raised stands over it as over that of its file.
+    """
+    of_world = {node for use in workspace.models if use.choice.role == "environment" for node in use.nodes.values()}
+    bodies = [root for root in workspace.roots if any(node.body.collides for node in root.walk())]
+    world = [root for root in bodies if root in of_world]
+    low: dict[Node, MjcfModel] = {}
+    placed: dict[Node, float] = {}
+    for use in workspace.models:
+        own = {name: root for name, root in use.nodes.items() if root in bodies and root not in of_world}
+        floors = {root: model for root in own.values() if (model := _mjcf_of(root)) is not None and model.floors}
+        tops = [_top_of(node) for root, model in floors.items() for node in _floors_of(root, model)]
+        if floors and all(root.location[2] == use.originals[name].location[2] for name, root in own.items()):
+            placed.update(dict.fromkeys(own.values(), max(tops)))
+        low.update(floors)
+    if not low:
+        return
+    is_level = all(_top_of(node) <= _LEVEL for root in world for node in root.walk() if node.body.collides)
+    if is_level and all(root in placed for root in bodies if root not in of_world):
+        for root in world:
+            workspace.delete(root)
+        for root in placed:
+            _change_mjcf(root, has_floor=True)
+    elif world:
+        for root, model in low.items():
+            for node in list(_floors_of(root, model)):
+                workspace.delete(node)
+            shapes = {name: geom for name, geom in model.shapes.items() if name not in model.floors}
+            _change_mjcf(root, shapes=shapes, floors=())
+        for root, height in placed.items():
+            root.location[2] -= height
+        for root, height in placed.items():
+            if root.body.moves or root in low:
+                text = (
+                    "'%s' starts %.2g m higher than in its file, whose floor is at %.2g m: the scene has another floor"
+                )
+                logger.warning(text, root.name, -height, height, extra={"where": root.where})
+
+
+def _floors_of(root: Node, model: MjcfModel) -> Iterator[Node]:
+    return (node for node in root.walk() if (node.source_name or node.name) in model.floors)
+
+
+def _change_mjcf(root: Node, **changes: object) -> None:
+    settings = root.articulation
+    if settings is not None and settings.model is not None:
+        root.articulation = replace(settings, model=replace(settings.model, **changes))  # type: ignore[arg-type]
+
+
+def _mjcf_of(root: Node) -> MjcfModel | None:
+    return None if root.articulation is None else root.articulation.model
+
+
+def _top_of(node: Node) -> float:
+    """Return the height of the highest point of the mesh of a node, m; minus infinity without a mesh."""
+    if node.mesh is None:
+        return -math.inf
+    matrix = node.world_matrix()
+    row, height = np.array(matrix[2][:3]), matrix[2][3]
+    return float((node.mesh.vertices @ row).max(initial=-math.inf)) + height
 
 
 def _tell_doubles(parts: Iterable[AbstractComponent]) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from morse.builder.components.cameras import MOUNTED
 from morse.builder.names.classes import load_class
+from morse.core.declarations import properties
 from morse.mathutils import Euler, Matrix
 
 if TYPE_CHECKING:
@@ -54,6 +55,9 @@ def add_sensors(robot: AbstractComponent, declarations: Iterable[DeclaredSensor]
         sensor.scene_node.rotation_euler[:] = list(rotation.to_euler())
         if one.properties:
             sensor.properties(**dict(one.properties))
+        if "on_demand" in properties(sensor.component_class()):
+            # many are for other programs, and images and rays cost more than the physics
+            sensor.properties(on_demand=True)
         if one.frequency is not None:
             sensor.frequency(one.frequency)
             sensor._keeps_tick = True

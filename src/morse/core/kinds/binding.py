@@ -17,7 +17,7 @@ from morse.core.kinds.table import GENERAL, PICTURES
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.lazy_data import known_data
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:
@@ -310,7 +310,7 @@ def _names(entry: object) -> set[str]:
 
 def fields_of(component: Object) -> dict[str, DataField]:
     """Return the declarations of the fields of a component, as changed by its properties and modifiers."""
-    fields = {name: f for name, f in fields_of_component(component).items() if name in present_data(component)}
+    fields = {name: f for name, f in fields_of_component(component).items() if name in known_data(component)}
     modifiers = [*component.output_modifiers, *component.input_modifiers]
     for changes in [component.field_changes, *(getattr(modifier, "changes", {}) for modifier in modifiers)]:
         for name, change in changes.items():

@@ -1,14 +1,22 @@
-"""Data that are measured when they are read."""
+"""Data that are measured when they are read.
+
+Sensors that only need poses are rows (`morse.core.rows.sensor_rows`). Those that a model file declares and that ask
+servers for rays or images are `OnDemand`: what nobody reads is neither cast nor rendered.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+
+from morse.core.requests import serve
+from morse.core.rows.marks import is_overridden
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from typing import Self
 
     from morse.core.interfaces import Component
+    from morse.core.sensor import Sensor
     from morse.core.values import Fields
 
 
@@ -46,13 +54,16 @@ class Unclaimed:
     def add(self, component: Component) -> None:
         """Hold the data of a component, if it is a sensor that measures on read and acts in each tick at present."""
         own, cls = vars(component), type(component)
-        if component._in_rows is None and cls.acts_in_rows and isinstance(getattr(cls, "local_data", None), LazyData):
+        waits = cls.acts_in_rows or getattr(component, "on_demand", False)
+        if component._in_rows is None and waits and isinstance(getattr(cls, "local_data", None), LazyData):
             self._data[id(component)] = component, own.pop("local_data")
             component._in_rows = self
 
     def data_of(self, member: Component) -> Fields:
         """See `Entry`."""
         return self._data[id(member)][1]
+
+    kept_of = data_of
 
     def release(self) -> None:
         """Give all components their data, and take note of those whose data somebody has read or replaced."""
@@ -69,8 +80,99 @@ class Unclaimed:
         self.release()
 
 
+class OnDemand:
+    """Holds the data of a sensor that measures while somebody reads it.
+
+    It measures at its rate while a stream has a reader, a page shows it, or a part of the simulation may have a
+    reference to its data. Whoever reads its data at another time gets a measurement of the present moment.
+
+    Attributes:
+        is_changed: see `Entry`; not used.
+    """
+
+    is_changed = False
+
+    def __init__(self, sensor: Sensor) -> None:
+        self._sensor = sensor
+        self._data: Fields = {}
+        self._tick = -1
+        #: whether it measures for a reader that is not a stream
+        self.is_asked = False
+        self.form()
+
+    def form(self) -> None:
+        """Begin to hold the data, unless somebody may have a reference to them."""
+        sensor = self._sensor
+        own = vars(sensor)
+        if sensor.on_demand and not sensor._is_read and "local_data" in own and sensor._in_rows is None:
+            self._data = own.pop("local_data")
+            sensor._in_rows = self
+            self._tick = -1
+
+    def release(self) -> None:
+        """Give the sensor its data."""
+        sensor = self._sensor
+        if sensor._in_rows is self:
+            sensor._in_rows = None
+            vars(sensor).setdefault("local_data", self._data)
+
+    def kept_of(self, _member: Component) -> Fields:
+        """Return the data of the last measurement."""
+        return self._data
+
+    def data_of(self, _member: Component) -> Fields:
+        """Return the data of the present moment if nobody reads the sensor at its rate, else those of its rate."""
+        sensor = self._sensor
+        if sensor.active and not self.is_asked and not sensor.is_wanted() and self._tick != sensor.clock.tick:
+            self._tick = sensor.clock.tick
+            self.is_asked = True
+            guard = sensor.context.guard
+            try:
+                serve((sensor,), guard)
+                guard.each((sensor,), _act, guard.deactivate)
+            finally:
+                self.is_asked = False
+        return self._data
+
+    def act(self) -> None:
+        """Let the sensor measure, if somebody reads it."""
+        sensor = self._sensor
+        if not sensor.is_wanted():
+            return
+        own = vars(sensor)
+        own.setdefault("local_data", self._data)
+        try:
+            sensor.act()
+        finally:
+            if own.get("local_data") is self._data and not sensor._is_read:
+                del own["local_data"]
+
+
+def _act(sensor: Sensor) -> None:
+    sensor.action()
+
+
+def hold_on_demand(sensor: Sensor) -> OnDemand | None:
+    """Hold the data of a sensor; None if its class has an action of its own, which would not know of readers."""
+    from morse.core.sensor import Sensor
+
+    cls = type(sensor)
+    # with a delay, who reads it now would get what was measured before
+    is_plain = (
+        cls.action is Sensor.action and not is_overridden(sensor) and not (sensor.realism and sensor.realism.delay)
+    )
+    return OnDemand(sensor) if is_plain and isinstance(getattr(cls, "local_data", None), LazyData) else None
+
+
 def present_data(component: Component) -> Fields:
     """Return ``local_data`` of a component for readers that do not keep it: it is valid until the next action."""
     rows = getattr(component, "_in_rows", None)  # streams also carry objects that are no components
     data: Fields = component.local_data if rows is None else rows.data_of(component)
+    return data
+
+
+def known_data(component: Component) -> Fields:
+    """Return `present_data` for readers of names and sizes, for whom nothing is cast or rendered."""
+    rows = getattr(component, "_in_rows", None)
+    data: Fields = component.local_data if rows is None else rows.kept_of(component)
     return data

@@ -154,6 +154,10 @@ class Rows(Generic[_M]):
         data: Fields = vars(member)["local_data"]
         return data
 
+    def kept_of(self, member: Component) -> Fields:
+        """Return the data of a row."""
+        return self.data_of(member)
+
 
 def _nothing(_member: object, _error: BaseException) -> None:
     """A member that cannot tell stays as it is; its own action shows the error."""

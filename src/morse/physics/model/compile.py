@@ -288,8 +288,8 @@ class _Builder:
                     geom = self._add_geom(body, fitted, position, rotation)
                     geom.mass = mass * volume(shape) / total
                     self.files.set_contact(frame, node, geom)
-                    if self.as_in_files and frame.motion is Motion.FIXED:
-                        level(geom)
+                    if frame.motion is Motion.FIXED:
+                        self._level(geom, frame, node)
                 self._set_surface(geom, node, frame)
                 self._geoms.append((geom, node, slot))
                 if gets_planes and shape.kind is ShapeKind.BOX:
@@ -310,6 +310,15 @@ class _Builder:
             if frame.node.body.type is PhysicsType.DYNAMIC:
                 body.inertia = _UNTURNABLE * np.asarray(body.inertia)
             self._add_feet(frame, slot, body, stand)
+
+    def _level(self, geom: mujoco.MjsGeom, frame: Frame, node: Node) -> None:
+        """Make a plane of a floor: of one that an MJCF file has, and of one on which only robots of files stand."""
+        articulation = frame.node.articulation
+        model = None if articulation is None else articulation.model
+        if model is not None and (node.source_name or node.name) in model.floors:
+            level(geom, float(geom.pos[2] + geom.size[2]))
+        elif self.as_in_files:
+            level(geom)
 
     def _add_feelers(self, node: Node, slot: Slot, body: Body, pose: RigidFrame) -> None:
         """Add shapes that only detect contacts: they have no mass and exert no forces."""

@@ -65,14 +65,14 @@ def set_options(spec: mujoco.MjSpec, part: Part) -> None:
         option.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
 
 
-def level(geom: mujoco.MjsGeom) -> None:
-    """Replace a wide floor at height 0, or a little below it as in the worlds of MORSE 1.4, by a plane at height 0.
+def level(geom: mujoco.MjsGeom, height: float = 0.0) -> None:
+    """Replace a wide floor at a height, or a little below it as in the worlds of MORSE 1.4, by a plane at that height.
 
     Robots of files are compared with those in other programs, whose floors are planes there.
     """
-    is_level = geom.type == mujoco.mjtGeom.mjGEOM_BOX and tuple(geom.quat) == (1.0, 0.0, 0.0, 0.0)
-    top = geom.pos[2] + geom.size[2]
-    if is_level and -_NEARLY_LEVEL <= top <= 1e-9 and min(geom.size[:2]) >= _WIDE:
+    is_level = geom.type == mujoco.mjtGeom.mjGEOM_BOX and abs(geom.quat[0]) > 1.0 - 1e-12
+    top = geom.pos[2] + geom.size[2] - height
+    if is_level and -_NEARLY_LEVEL <= top <= 1e-9 and (height or min(geom.size[:2]) >= _WIDE):
         geom.type = mujoco.mjtGeom.mjGEOM_PLANE
-        geom.pos = [geom.pos[0], geom.pos[1], 0.0]
+        geom.pos = [geom.pos[0], geom.pos[1], height]
         geom.size = [geom.size[0], geom.size[1], 1.0]

@@ -13,7 +13,7 @@ import numpy as np
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.lazy_data import known_data
 from morse.recording.made import form
 from morse.scene.settings import Settings
 
@@ -204,7 +204,7 @@ def _panel(component: Object) -> form.PanelForm | None:
     if f"{cls.__module__}.".startswith(OWN):
         return None
     # nobody keeps them: the sensor goes on to measure when it is read
-    data = present_data(component)
+    data = known_data(component)
     fields = [
         form.FieldForm(
             name, str(field.type), field.doc, field.unit, _bound(field.low), _bound(field.high), _plain(field.default)

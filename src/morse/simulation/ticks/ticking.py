@@ -14,6 +14,7 @@ from morse.core.realism import Realism, phase_of
 from morse.core.reports.faults import name_of
 from morse.core.requests import serve
 from morse.core.rows.actuator_rows import ActuatorRows
+from morse.core.rows.lazy_data import OnDemand, hold_on_demand
 from morse.core.rows.marks import waiting
 from morse.core.rows.rows import Rows
 from morse.core.rows.sensor_rows import SensorRows
@@ -45,7 +46,12 @@ def arranged(components: Sequence[Object], act: Callable[[Sequence[Object | Rows
     order: list[Any] = []
     alike: dict[tuple[Any, float, float, str | None], list[Object]] = {}
     for component in components:
-        if not component.acts_in_rows or (isinstance(component, Actuator) and carriers[id(component.robot_parent)] > 1):
+        is_on_demand = isinstance(component, Sensor) and component.on_demand
+        if (
+            is_on_demand
+            or not component.acts_in_rows
+            or (isinstance(component, Actuator) and carriers[id(component.robot_parent)] > 1)
+        ):
             order.append(component)
             continue
         key = (type(component), component.frequency, phase_of(component), component.level)
@@ -87,6 +93,8 @@ class Ticker:
         self.reviews: list[Callable[[int, bool], int]] = []
         self._acting = acting(context)
         self._rows: list[Rows[Any]] = []
+        #: what holds the data of sensors that measure while somebody reads them
+        self._held: list[OnDemand] = []
         #: objects that offer services and act, and what they wait for
         self._served: list[tuple[AbstractObject, Sized | None]] = []
         self._offered = 0
@@ -109,6 +117,7 @@ class Ticker:
             entry for entries in (self._actuators, self._sensors) for entry in entries if isinstance(entry, Rows)
         ]
         sensors = [sensor for sensor in loaded.sensors if isinstance(sensor, Sensor)]
+        self._held = [held for one in sensors if one.on_demand and (held := hold_on_demand(one)) is not None]
         asking = [a for a in loaded.actuators if a.requests]
         self._asking_actuators = Schedule(asking, frequency) if asking else None
         asking_sensors = [s for s in loaded.sensors if s.requests]
@@ -122,11 +131,15 @@ class Ticker:
         """Let no component be a row: all have the data and the poses of their last actions."""
         for rows in self._rows:
             rows.release()
+        for held in self._held:
+            held.release()
 
     def gather(self) -> None:
         """Undo `separate`."""
         for rows in self._rows:
             rows.form()
+        for held in self._held:
+            held.form()
 
     def tick(self) -> bool:
         """Run one tick.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component, properties
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.lazy_data import known_data, present_data
 from morse.core.services import signature_of
 from morse.viewer.description import (
     ArgumentDescription,
@@ -78,7 +78,7 @@ def _pseudo_components(context: Context) -> list[ComponentDescription]:
 
 def _component(component: Component, kind: str, robot: str) -> ComponentDescription:
     # nobody keeps them: the sensor goes on to measure when it is read
-    cls, data = type(component), present_data(component)
+    cls, data = type(component), known_data(component)
     return ComponentDescription(
         name=component.name(),
         kind=kind,

@@ -171,7 +171,10 @@ class ViewRays:
         wishes = self._server.wishes.overlays
         for component in self._components:
             name = component.name()
-            if name not in wishes and not getattr(component, "visible_arc", False):
+            is_shown = name in wishes or bool(getattr(component, "visible_arc", False))
+            if isinstance(component, Sensor):
+                component.watched = is_shown
+            if not is_shown:
                 self._last_counts.pop(name, None)
                 continue
             bundles = [bundle for bundle in _bundles(component) if bundle.stamp >= 0]
