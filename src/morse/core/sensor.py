@@ -8,7 +8,7 @@ from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
-from morse.core.rows.lazy_data import LazyData, OnDemand, hold_on_demand, present_data
+from morse.core.rows.lazy_data import LazyData, OnDemand, present_data
 from morse.core.rows.marks import is_on_read, is_overridden, waiting
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
@@ -186,3 +186,12 @@ class Sensor(Object):
         """
         value = measured(self.local_data[field], noise)
         self.local_data[field] = before if noise.lost()[0] else value
+
+
+def hold_on_demand(sensor: Sensor) -> OnDemand | None:
+    """Hold the data of a sensor; None if its class has an action of its own, which would not know of readers."""
+    cls = type(sensor)
+    # with a delay, who reads it now would get what was measured before
+    is_late = sensor.realism is not None and sensor.realism.delay
+    is_plain = cls.action is Sensor.action and not is_overridden(sensor) and not is_late
+    return OnDemand(sensor) if is_plain and isinstance(getattr(cls, "local_data", None), LazyData) else None

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.requests import serve
-from morse.core.rows.marks import is_overridden
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -150,18 +149,6 @@ class OnDemand:
 
 def _act(sensor: Sensor) -> None:
     sensor.action()
-
-
-def hold_on_demand(sensor: Sensor) -> OnDemand | None:
-    """Hold the data of a sensor; None if its class has an action of its own, which would not know of readers."""
-    from morse.core.sensor import Sensor
-
-    cls = type(sensor)
-    # with a delay, who reads it now would get what was measured before
-    is_plain = (
-        cls.action is Sensor.action and not is_overridden(sensor) and not (sensor.realism and sensor.realism.delay)
-    )
-    return OnDemand(sensor) if is_plain and isinstance(getattr(cls, "local_data", None), LazyData) else None
 
 
 def present_data(component: Component) -> Fields:

@@ -14,11 +14,10 @@ from morse.core.realism import Realism, phase_of
 from morse.core.reports.faults import name_of
 from morse.core.requests import serve
 from morse.core.rows.actuator_rows import ActuatorRows
-from morse.core.rows.lazy_data import OnDemand, hold_on_demand
 from morse.core.rows.marks import waiting
 from morse.core.rows.rows import Rows
 from morse.core.rows.sensor_rows import SensorRows
-from morse.core.sensor import Sensor
+from morse.core.sensor import Sensor, hold_on_demand
 from morse.simulation.ticks.multi_tick import MultiTick
 from morse.simulation.ticks.schedule import Schedule
 
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.observer import Observer
     from morse.core.robot import Robot
+    from morse.core.rows.lazy_data import OnDemand
     from morse.simulation.loader import Loaded
     from morse.simulation.ticks.profile import Profile
     from morse.simulation.ticks.stepping import Stepping
