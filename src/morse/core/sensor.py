@@ -1,4 +1,8 @@
-"""The base class of sensors."""
+"""The base class of sensors.
+
+Sensors that only need poses are rows (`morse.core.rows.sensor_rows`). Those that a model file declares and that ask
+servers for rays or images are `OnDemand`: what nobody reads is neither cast nor rendered.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,8 @@ from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
-from morse.core.rows.lazy_data import LazyData, OnDemand, present_data
+from morse.core.requests import serve
+from morse.core.rows.lazy_data import LazyData, present_data
 from morse.core.rows.marks import is_on_read, is_overridden, waiting
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
@@ -18,6 +23,7 @@ from morse.scene.realism import is_numeric
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.interfaces import Component
     from morse.core.noise import Noise
     from morse.core.realism import Realism
     from morse.core.robot import Robot
@@ -186,6 +192,78 @@ class Sensor(Object):
         """
         value = measured(self.local_data[field], noise)
         self.local_data[field] = before if noise.lost()[0] else value
+
+
+class OnDemand:
+    """Holds the data of a sensor that measures while somebody reads it.
+
+    It measures at its rate while a stream has a reader, a page shows it, or a part of the simulation may have a
+    reference to its data. Whoever reads its data at another time gets a measurement of the present moment.
+
+    Attributes:
+        is_changed: see `Entry`; not used.
+    """
+
+    is_changed = False
+
+    def __init__(self, sensor: Sensor) -> None:
+        self._sensor = sensor
+        self._data: Fields = {}
+        self._tick = -1
+        #: whether it measures for a reader that is not a stream
+        self.is_asked = False
+        self.form()
+
+    def form(self) -> None:
+        """Begin to hold the data, unless somebody may have a reference to them."""
+        sensor = self._sensor
+        own = vars(sensor)
+        if sensor.on_demand and not sensor._is_read and "local_data" in own and sensor._in_rows is None:
+            self._data = own.pop("local_data")
+            sensor._in_rows = self
+            self._tick = -1
+
+    def release(self) -> None:
+        """Give the sensor its data."""
+        sensor = self._sensor
+        if sensor._in_rows is self:
+            sensor._in_rows = None
+            vars(sensor).setdefault("local_data", self._data)
+
+    def kept_of(self, _member: Component) -> Fields:
+        """Return the data of the last measurement."""
+        return self._data
+
+    def data_of(self, _member: Component) -> Fields:
+        """Return the data of the present moment if nobody reads the sensor at its rate, else those of its rate."""
+        sensor = self._sensor
+        if sensor.active and not self.is_asked and not sensor.is_wanted() and self._tick != sensor.clock.tick:
+            self._tick = sensor.clock.tick
+            self.is_asked = True
+            guard = sensor.context.guard
+            try:
+                serve((sensor,), guard)
+                guard.each((sensor,), _act, guard.deactivate)
+            finally:
+                self.is_asked = False
+        return self._data
+
+    def act(self) -> None:
+        """Let the sensor measure, if somebody reads it."""
+        sensor = self._sensor
+        if not sensor.is_wanted():
+            return
+        own = vars(sensor)
+        own.setdefault("local_data", self._data)
+        try:
+            sensor.act()
+        finally:
+            if own.get("local_data") is self._data and not sensor._is_read:
+                del own["local_data"]
+
+
+def _act(sensor: Sensor) -> None:
+    sensor.action()
 
 
 def hold_on_demand(sensor: Sensor) -> OnDemand | None:

@@ -17,7 +17,7 @@ from morse.core.rows.actuator_rows import ActuatorRows
 from morse.core.rows.marks import waiting
 from morse.core.rows.rows import Rows
 from morse.core.rows.sensor_rows import SensorRows
-from morse.core.sensor import Sensor, hold_on_demand
+from morse.core.sensor import OnDemand, Sensor, hold_on_demand
 from morse.simulation.ticks.multi_tick import MultiTick
 from morse.simulation.ticks.schedule import Schedule
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.observer import Observer
     from morse.core.robot import Robot
-    from morse.core.rows.lazy_data import OnDemand
     from morse.simulation.loader import Loaded
     from morse.simulation.ticks.profile import Profile
     from morse.simulation.ticks.stepping import Stepping
