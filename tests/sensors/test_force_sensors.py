@@ -64,5 +64,5 @@ def test_forces_are_measured_after_an_object_was_added(simulate):
 def test_a_sensor_of_torques_without_a_joint_says_so(simulate, caplog):
     sim = simulate("robot = FakeRobot()\nrobot.append(ForceTorqueSensor('load'))", sockets=False)
     sim.step(2)
-    assert "robot.load: no dynamic joint carries it, and it measures 0" in caplog.text
+    assert "robot.load: no joint of the physics carries it, and it measures 0" in caplog.text
     assert sim.robot.load.get()["force"] == [0.0, 0.0, 0.0]

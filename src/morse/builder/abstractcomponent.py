@@ -391,6 +391,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             profile=self._profiled,
             where=self._where,
             is_optional=self._is_optional,
+            measures_joint=bool(getattr(self.component_class(), "measures_joint", False)),
         )
 
     def _scene_kind(self) -> str:

@@ -12,7 +12,7 @@ from morse.physics.contact_points import ContactPoints
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -115,6 +115,7 @@ class JointMoment(NamedTuple):
         asleep: slots of the objects that slept.
         slots: the slots of the world.
         roots: (B,) the body at the top of the tree of each body.
+        links: the body of each link of MJCF files.
     """
 
     loads: _Loads
@@ -122,18 +123,31 @@ class JointMoment(NamedTuple):
     asleep: Collection[int]
     slots: Sequence[Slot]
     roots: NDArray[np.int32]
+    links: Mapping[Node, int]
+
+    def is_carried(self, obj: Posed) -> bool:
+        """Whether a joint carries an object."""
+        return _carried_body(self.slots[obj.slot], obj.node, self.links) is not None
 
     def load(self, obj: Posed, origin: Sequence[float]) -> tuple[_Vector, _Vector]:
         """See `morse.core.world.body.JointMoment.load`: of a load that hangs, the force points down."""
-        slot = self.slots[obj.slot]
-        if slot.frame.motion is not Motion.JOINT:
+        body = _carried_body(self.slots[obj.slot], obj.node, self.links)
+        if body is None:
             return _NONE, _NONE
         wrenches, centres = self.resting if self.resting is not None and obj.slot in self.asleep else self.loads
-        tx, ty, tz, fx, fy, fz = (-wrenches[slot.body]).tolist()
-        cx, cy, cz = centres[self.roots[slot.body]].tolist()
+        tx, ty, tz, fx, fy, fz = (-wrenches[body]).tolist()
+        cx, cy, cz = centres[self.roots[body]].tolist()
         x, y, z = origin
         x, y, z = cx - x, cy - y, cz - z
         return (fx, fy, fz), (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx)
+
+
+def _carried_body(slot: Slot, node: Node, links: Mapping[Node, int]) -> int | None:
+    """Return the body, in the engine, whose joint carries a node; None if there is none."""
+    link = next((body for one in (node, *node.ancestors()) if (body := links.get(one)) is not None), None)
+    if link is not None:
+        return link
+    return slot.body if slot.frame.motion is Motion.JOINT else None
 
 
 class Reactions(Generic[_B]):
@@ -196,7 +210,7 @@ class Reactions(Generic[_B]):
                 resting = (zeros, zeros[:, :3]) if copy is None else self._loads(copy)
         if self._wrenches is None:
             self._wrenches = self._loads(world.data)
-        return JointMoment(self._wrenches, resting, asleep, world.slots, world.model.body_rootid)
+        return JointMoment(self._wrenches, resting, asleep, world.slots, world.model.body_rootid, world.link_bodies)
 
     def _loads(self, data: mujoco.MjData) -> _Loads:
         mujoco.mj_rnePostConstraint(self._world.model, data)

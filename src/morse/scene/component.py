@@ -80,6 +80,7 @@ class ComponentDeclaration:
         where: the line of the script that created it.
         is_optional: whether the scene is loaded without it, with a warning, if it cannot work, because a model file
             declares it.
+        measures_joint: whether a sensor measures the load of the joint that carries its link, also of a fixed joint.
     """
 
     node: Node
@@ -96,6 +97,7 @@ class ComponentDeclaration:
     profile: bool = False
     where: SourceLine | None = None
     is_optional: bool = False
+    measures_joint: bool = False
 
     @property
     def name(self) -> str:

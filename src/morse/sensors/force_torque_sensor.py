@@ -23,8 +23,8 @@ class ForceTorqueSensor(Sensor):
 
     They are those that the link, with all that it carries and touches, exerts on the rest of the robot: a load of 1 kg
     that hangs from the link adds 9.81 N downward. The torque is about the position of the sensor; both have its axes.
-    Links that a fixed joint connects are one body: the sensor then measures in the next joint that moves. Without a
-    dynamic joint it measures 0.
+    The joint may be fixed, as those of real wrists and ankles are: it is measured as any other. Without a joint, on the
+    first link of a robot that moves freely, or in a robot without dynamic joints, it measures 0.
     """
 
     _name = "Force/Torque Sensor"
@@ -36,10 +36,15 @@ class ForceTorqueSensor(Sensor):
     add_data("torque", [0.0, 0.0, 0.0], "vec3<float>", "Torque", unit="N·m", frame="own", shape=3)
     add_kind("wrench", force="force", torque="torque")
 
+    #: the physics gives its link a body of its own
+    measures_joint = True
+
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        if obj.slot == (parent or self).bge_object.slot:
-            text = f"{self.name()}: no dynamic joint carries it, and it measures 0: append it to a link that moves"
+        if not self.context.world.joint_moment([obj]).is_carried(obj):
+            text = (
+                f"{self.name()}: no joint of the physics carries it, and it measures 0: append it to a link of an arm"
+            )
             self.context.complaints.warn(text, text)
 
     @classmethod

@@ -65,6 +65,9 @@ class ContactMoment(Protocol):
 class JointMoment(Protocol):
     """What loads the joints that carry bodies, at one moment."""
 
+    def is_carried(self, obj: Body) -> bool:
+        """Whether a joint carries a body, be it fixed."""
+
     def load(self, obj: Body, origin: Sequence[float]) -> tuple[Sequence[float], Sequence[float]]:
         """Return force (N) and torque (N m) as `Body.joint_load` does, about a point of the world, m."""
 

@@ -194,6 +194,8 @@ class Articulated:
         joints = []
         for index in frame.joints:
             bone = bones[index]
+            if bone.kind is JointKind.FIXED:
+                continue
             place, axes = frames[index]
             anchor = base + matmul(base_rotation, np.array(place))
             axis = matmul(base_rotation, np.reshape(axes, (3, 3))[:, bone.axis])

@@ -84,6 +84,7 @@ class Compiled:
         steps: physics steps per tick.
         geom_node: node of each geom.
         file_motors: actuators of MJCF files that are no motors of single joints.
+        link_bodies: the body of each link of MJCF files.
         planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floor_planes`.
         physics_of_1_4: see `morse.physics.driving.calibration`.
     """
@@ -94,6 +95,7 @@ class Compiled:
     steps: int
     geom_node: list[Node]
     file_motors: list[FileMotor]
+    link_bodies: dict[Node, int]
     planes: dict[int, int]
     physics_of_1_4: bool = False
 
@@ -161,7 +163,8 @@ def _compile(scene: Scene) -> Compiled:
     data = mujoco.MjData(model)
     builder.files.resolve(model, data, geom_node)
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}
-    return Compiled(model, data, slots, steps, geom_node, builder.files.motors, planes, settings.physics_of_1_4)
+    motors, links = builder.files.motors, builder.files.link_bodies
+    return Compiled(model, data, slots, steps, geom_node, motors, links, planes, settings.physics_of_1_4)
 
 
 def _make_bodies_independent(model: mujoco.MjModel) -> None:

@@ -95,6 +95,7 @@ class Files:
 
     Attributes:
         motors: the actuators that are no motors of single joints.
+        link_bodies: the body of each link, also of those that are fixed to others.
     """
 
     def __init__(self, spec: mujoco.MjSpec) -> None:
@@ -103,6 +104,7 @@ class Files:
         self._of_link: dict[Node, Part] = {}
         self._terrain: dict[Node, tuple[mujoco.MjSpec, dict[str, str]]] = {}
         self.motors: list[FileMotor] = []
+        self.link_bodies: dict[Node, int] = {}
 
     def __bool__(self) -> bool:
         return bool(self._parts)
@@ -240,6 +242,10 @@ class Files:
             armature = next((node for node in part.root.members if node.bones), None)
             if armature is not None:
                 self.motors += motors_of(model, armature.name)
+                for link in armature.children:
+                    name = part.model.links.get(link.source_name or link.name)
+                    if name:
+                        self.link_bodies[link] = self._spec.body(part.prefix + name).id
         if is_changed:
             mujoco.mj_setConst(model, data)
             mujoco.mj_resetData(model, data)

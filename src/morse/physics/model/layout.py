@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from morse.scene import JointKind, PhysicsType, is_dynamic
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Container, Iterator
 
     from morse.scene import ComponentDeclaration, Node, Scene
 
@@ -39,7 +39,8 @@ class Frame:
         parent: the frame to which a hinge or joint frame is attached.
         robot: the declaration of the robot if the frame is a robot, else None.
         armature: the armature of a joint frame, else None.
-        joints: indices of the bones of the armature whose joints move a joint frame, the innermost first.
+        joints: indices of the bones of the armature whose joints move a joint frame, the innermost first; a bone that
+            is fixed carries a frame whose load a sensor measures.
         carries: whether joint frames are attached to the frame.
     """
 
@@ -90,6 +91,7 @@ def frames_of(scene: Scene) -> list[Frame]:
     for declaration in robots.values():
         wheels.update(dict.fromkeys(driven_wheels(declaration), declaration))
     frames: list[Frame] = []
+    measured = _measured_bones(scene)
 
     def visit(node: Node, frame: Frame | None) -> None:
         if node.name in wheels and frame is not None and frame.motion is Motion.FREE:
@@ -101,7 +103,7 @@ def frames_of(scene: Scene) -> list[Frame]:
         frame.members.append(node)
         if has_shape(node):
             frame.solid.append(node)
-        hanging = _Hanging(node) if is_dynamic(node) else None
+        hanging = _Hanging(node, measured.get(node, ())) if is_dynamic(node) else None
         for child in node.children:
             if hanging is None or child not in hanging.nodes:
                 visit(child, frame)
@@ -128,20 +130,36 @@ def frames_of(scene: Scene) -> list[Frame]:
     return frames
 
 
+def _measured_bones(scene: Scene) -> dict[Node, set[str]]:
+    """Return the bones of armatures whose loads sensors measure."""
+    measured: dict[Node, set[str]] = {}
+    for declaration in scene.components:
+        if declaration.measures_joint:
+            for node in (declaration.node, *declaration.node.ancestors()):
+                if node.bone and node.parent is not None and node.parent.bones:
+                    measured.setdefault(node.parent, set()).add(node.bone)
+                    break
+    return measured
+
+
 class _Hanging:
     """The nodes attached to the moving bones of an armature.
+
+    Args:
+        measured: names of bones that carry a body of their own although they may be fixed.
 
     Attributes:
         nodes: all nodes.
     """
 
-    def __init__(self, armature: Node) -> None:
+    def __init__(self, armature: Node, measured: Container[str]) -> None:
         self.armature = armature
         bones = armature.bones
         index = {bone.name: i for i, bone in enumerate(bones)}
         moving: list[int] = []
         for i, bone in enumerate(bones):
-            moving.append(i if bone.kind is not JointKind.FIXED else moving[bone.parent] if bone.parent >= 0 else -1)
+            has_body = bone.kind is not JointKind.FIXED or bone.name in measured
+            moving.append(i if has_body else moving[bone.parent] if bone.parent >= 0 else -1)
         self._on: dict[int, list[Node]] = {}
         for child in armature.children:
             if child.bone in index and moving[index[child.bone]] >= 0:

@@ -81,7 +81,7 @@ class Loads:
         self._counts: dict[Frame, int] = {}
         for frame in reversed(list(groups)):
             self._counts[frame] = 1 + sum(self._counts[child] for child in self._below.get(frame, ()))
-            if frame.motion is Motion.JOINT:
+            if groups[frame].joints:
                 self._stretched[frame] = self._reached(frame, groups[frame].joints[0].anchor)
         self._trees: dict[Frame, _Tree] = {}
 
@@ -110,6 +110,8 @@ class Loads:
         parts = [own.moved(norm(group.centre - anchor))]
         parts += [
             self._stretched[child].moved(norm(self._groups[child].joints[0].anchor - anchor))
+            if child in self._stretched
+            else self._reached(child, anchor)  # fixed to the frame
             for child in self._below.get(frame, ())
         ]
         return _Stretched(*map(sum, zip(*parts, strict=True)))

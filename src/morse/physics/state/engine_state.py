@@ -110,6 +110,7 @@ class EngineState:
         joints: armature to its joints by name.
         file_motors: actuators of MJCF files that are no motors of single joints.
         geom_node: node of each geom.
+        link_bodies: the body of each link of MJCF files, in the engine.
         planes: the geoms of boxes to those of the planes at their tops.
         physics_of_1_4: whether driven robots lose speed as in MORSE 1.4 (`morse.physics.driving.calibration`).
         steps: physics steps per tick.
@@ -168,6 +169,7 @@ class EngineState:
         self.slots: list[Slot] = compiled.slots
         self.sliding = Sliding(self.model, self.data, self.slots)
         self.geom_node: list[Node] = compiled.geom_node
+        self.link_bodies: dict[Node, int] = compiled.link_bodies
         self.planes: dict[int, int] = compiled.planes
         self.physics_of_1_4 = compiled.physics_of_1_4
         self.steps = compiled.steps
