@@ -99,8 +99,9 @@ class Settings:
         gravity: m/s^2, downward.
         frequency: ticks per simulated second.
         physics_of_1_4: whether friction and damping act on driven robots as in the engine of MORSE 1.4.
-        physics_steps: physics steps per tick that the script asked for; the engine never
-            takes longer steps than 1/240 s.
+        physics_steps: smallest number of physics steps per tick; their number if `steps_are_exact`.
+        steps_are_exact: whether the script has set the number of steps. Otherwise steps are at most 1/240 s, or as long
+            as in the file if all robots come from MJCF files.
         time_scale: simulated seconds per wall-clock second.
         relative_time: whether time starts at 0; otherwise at the epoch time of the start.
         start_time: seconds since the epoch at the start, UTC; None for the present time. Only without relative time.
@@ -113,6 +114,7 @@ class Settings:
     gravity: float = 9.81
     frequency: float = 60.0
     physics_steps: int = 2
+    steps_are_exact: bool = False
     physics_of_1_4: bool = False
     time_strategy: TimeStrategies = TimeStrategies.BestEffort
     time_scale: float = 1.0

@@ -151,6 +151,30 @@ LOW = f"""<mujoco model="low"><worldbody>{LOW_FLOOR}
 
 
 @pytest.mark.parametrize(
+    ("frequency", "more", "step"),
+    [
+        (20, "", 0.01),  # as in the file
+        (60, "", 1 / 120),  # at most
+        (100, "", 0.01),
+        (20, "env.set_physics_step_sub(10)", 0.005),
+        (20, "env.set_physics_step_sub(1)", 0.05),
+        # beside a robot of MORSE, whose drive is tuned for short steps
+        (20, "ATRV().translate(x=5)", 1 / 240),
+    ],
+)
+def test_a_step_of_a_file_may_be_long(frequency: int, more: str, step: float, tmp_path: Path) -> None:
+    (tmp_path / "dog.xml").write_text((DOG % ("", "")).replace('timestep="0.002"', 'timestep="0.01"'))
+    first, last = ("", more) if more.startswith("env") else (more, "")
+    (tmp_path / "scene.py").write_text(
+        f"from morse.builder import *\nrobot = Robot({str(tmp_path / 'dog.xml')!r})\n{first}\n"
+        f"env = Environment('empty')\nenv.simulator_frequency({frequency})\n{last}\n"
+    )
+    with morse.load(tmp_path / "scene.py") as sim:
+        assert sim.world.model.opt.timestep == pytest.approx(step)
+        assert sim.world.steps * step == pytest.approx(1.0 / frequency)
+
+
+@pytest.mark.parametrize(
     ("more", "environment", "height"),
     [
         ("", "empty", -0.3),

@@ -39,8 +39,13 @@ class TimeMethods(EnvironmentDescription):
         self._gravity_given = True
 
     def set_physics_step_sub(self, step_sub: int = 2) -> None:
-        """Set the minimum number of physics steps per tick."""
+        """Set the number of physics steps per tick.
+
+        Without it, steps are at most 1/240 s, or as long as in the file if all robots come from MJCF files. With longer
+        ones, bodies penetrate each other deeper.
+        """
         self.settings.physics_steps = checks.integer(step_sub, "env.set_physics_step_sub(step_sub)", minimum=1)
+        self.settings.steps_are_exact = True
 
     def use_physics_of_1_4(self, value: bool = True) -> None:
         """Set whether driven robots are as slow as in the engine of MORSE 1.4, to which old tests were adjusted.

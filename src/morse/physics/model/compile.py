@@ -42,9 +42,10 @@ if TYPE_CHECKING:
 
     from morse.core.world import Body
     from morse.physics.model.file_motors import FileMotor
-    from morse.scene import CollisionShape, Node, Scene
+    from morse.scene import CollisionShape, Node, Scene, Settings
 
-#: longest time step of the engine, s: with a step of 1/60 s, a robot pushing into a wall penetrates it by 10 mm
+#: longest time step of the engine that neither a script nor a file asks for, s: with a step of 1/60 s, a robot pushing
+#: into a wall penetrates it by 10 mm
 MAX_STEP = 1.0 / 240.0
 #: that of scenes with bodies that bounce: gravity acts during an impact, and takes speed in proportion to its duration
 BOUNCING_STEP = 1.0 / 480.0
@@ -125,12 +126,10 @@ def _compile(scene: Scene) -> Compiled:
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     rolling = round_wheels(frames)
     models = models_of(frames)
-    bounces = any(node.body.restitution is not None for frame in frames for node in frame.members)
-    limit = min([BOUNCING_STEP if bounces else MAX_STEP, *(model.step for model in models)])
-    steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / limit - 1e-9))
+    as_in_files = are_all_from_files(frames)
+    steps = _steps(settings, frames, [model.step for model in models], as_in_files=as_in_files)
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
-    as_in_files = are_all_from_files(frames)
     if as_in_files:
         set_ground(spec, next((model.ground for model in models if model.ground != DEFAULT_CONTACT), DEFAULT_CONTACT))
     # shown only by the viewer of MuJoCo
@@ -165,6 +164,23 @@ def _compile(scene: Scene) -> Compiled:
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}
     motors, links = builder.files.motors, builder.files.link_bodies
     return Compiled(model, data, slots, steps, geom_node, motors, links, planes, settings.physics_of_1_4)
+
+
+def _steps(settings: Settings, frames: Sequence[Frame], of_files: Sequence[float], *, as_in_files: bool) -> int:
+    """Return the number of steps in a tick.
+
+    Args:
+        of_files: the steps of MJCF files, s.
+        as_in_files: whether the robots move as their files say.
+    """
+    if settings.steps_are_exact:
+        return settings.physics_steps
+    bounces = any(node.body.restitution is not None for frame in frames for node in frame.members)
+    limits = [*of_files]
+    if bounces or not as_in_files:
+        limits.append(BOUNCING_STEP if bounces else MAX_STEP)
+    least = 1 if as_in_files else settings.physics_steps
+    return max(least, math.ceil(1.0 / settings.frequency / min(limits) - 1e-9))
 
 
 def _make_bodies_independent(model: mujoco.MjModel) -> None:

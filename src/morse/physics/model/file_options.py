@@ -1,8 +1,8 @@
 """The options of MJCF files in a scene.
 
-The time step of the engine is at most that of each file. In a scene whose robots all come from files, the options of
-the first file apply, and the objects of the scene have the contact parameters of its floor. Beside robots of other
-kinds, whose drives are tuned for the options of MORSE, those of files do not apply.
+The time step of the engine is at most that of each file. In a scene whose robots all come from files, it may be as long
+as there, the options of the first file apply, and the objects of the scene have the contact parameters of its floor.
+Beside robots of other kinds, whose drives are tuned for the options of MORSE, those of files do not apply.
 """
 
 from __future__ import annotations
