@@ -216,3 +216,36 @@ def test_they_go_on_from_a_saved_state(simulate):
     first = ahead()
     simulation.restore(state)
     assert ahead() == first
+
+
+BALL = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+ARM = f"""<robot name="arm"><link name="world"/>
+<link name="post"><inertial><mass value="5"/>{BALL}</inertial></link>
+<joint name="stand" type="fixed"><parent link="world"/><child link="post"/><origin xyz="0 0 1"/></joint>
+<link name="link"><inertial><mass value="1"/>{BALL}</inertial></link>
+<joint name="hinge" type="continuous"><parent link="post"/><child link="link"/><axis xyz="0 0 1"/></joint>
+<link name="tip"/><joint name="end" type="fixed"><parent link="link"/><child link="tip"/><origin xyz="0.8 0 0"/></joint>
+<gazebo reference="tip"><sensor name="imu" type="imu"><update_rate>60</update_rate></sensor></gazebo></robot>"""
+TURNED = """
+robot = Robot({file!r})
+joints = Armature(armature_name="arm_joints")
+joints.control("velocity")
+robot.append(joints)
+env = Environment("empty", fastmode=True)
+"""
+
+
+def test_a_steady_arm_feels_the_centripetal_acceleration_alone(simulate, tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(ARM)
+    simulation = simulate(TURNED.format(file=str(path)), sockets=False)
+    simulation.context.component("robot.joints").local_data["hinge"] = 3.0
+    simulation.step(300)
+    forces = []
+    for _ in range(7):
+        simulation.step(1)
+        data = simulation.robot.imu.get()
+        forces.append(data["linear_acceleration"])
+        assert data["angular_velocity"] == pytest.approx([0.0, 0.0, 3.0], abs=1e-3)
+    for force in forces:
+        assert force == pytest.approx([-(3.0**2) * 0.8, 0.0, G], abs=1e-3)

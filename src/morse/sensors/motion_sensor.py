@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_property, add_state
-from morse.mathutils.rotations import cross, rotation_vector, turn
+from morse.mathutils.rotations import cross, rotation_vector, turn, turn_back
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,8 +42,10 @@ class Motion(NamedTuple):
 class MotionSensor(Sensor):
     """A sensor that measures the motion of its robot.
 
-    Depending on the property ``ComputationMode``, velocities are those of the body of the robot, or are computed from
-    the poses of the sensor at two measurements. Accelerations are the change of velocity since the last measurement.
+    Depending on the property ``ComputationMode``, velocities are those of the body of the robot, those of the link that
+    a dynamic joint moves, or are computed from the poses of the sensor at two measurements. Accelerations are the
+    change of velocity since the last measurement; for a link, of the velocity in the axes of the sensor, and what the
+    rotation of these axes adds is that at the measurement.
     """
 
     add_property(
@@ -52,7 +54,8 @@ class MotionSensor(Sensor):
         "ComputationMode",
         "string",
         "Source of velocities: Velocity for those of the body of the robot, Position for the change of the pose "
-        "of the sensor, Automatic for Velocity if the robot is a dynamic body and no dynamic joint moves the sensor",
+        "of the sensor, Automatic for Velocity if the robot is a dynamic body, and for that of the link of the sensor "
+        "if a dynamic joint moves it",
         choices=("Automatic", "Velocity", "Position"),
     )
 
@@ -79,6 +82,11 @@ class MotionSensor(Sensor):
         mode = self._computation_mode
         is_of_robot = mode == "Automatic" and self._is_on_robot
         return mode == "Velocity" or (is_of_robot and self.robot_parent.bge_object.is_dynamic)
+
+    @property
+    def _is_by_link(self) -> bool:
+        """Whether the velocity is that of a link that a dynamic joint moves."""
+        return self._computation_mode == "Automatic" and not self._is_on_robot and self.bge_object.is_dynamic
 
     def may_wait(self) -> bool:
         """Return False for velocities computed from poses: accelerations then depend on two earlier measurements."""
@@ -118,6 +126,8 @@ class MotionSensor(Sensor):
         if dt <= 0.0:
             dt = self.clock.period
         pose = self._measured_pose()
+        if self._is_by_link:
+            return self._of_link(now, dt, pose)
         origin: Sequence[float] | None = None
         if self._is_by_velocity:
             (vx, vy, vz), (wx, wy, wz), origin = self.observation()
@@ -130,6 +140,19 @@ class MotionSensor(Sensor):
         before = (self._linear, self._angular)
         self._time, self._pose, self._linear, self._angular = now, pose, linear, angular
         return changed(before, (linear, angular), dt, pose[0], origin)
+
+    def _of_link(self, now: float, dt: float, pose: tuple[tuple[float, ...], tuple[float, ...]]) -> Motion:
+        """Return the motion of a link: a steady rotation gives a centripetal acceleration alone."""
+        (vx, vy, vz), (wx, wy, wz) = self.bge_object.velocity()
+        linear, angular = (vx, vy, vz), (wx, wy, wz)
+        rotation, before = pose[1], self._pose[1]
+        rates = [
+            turn(rotation, _rate(turn_back(before, old), turn_back(rotation, new), dt))
+            for old, new in ((self._linear, linear), (self._angular, angular))
+        ]
+        (x, y, z), (cx, cy, cz) = rates[0], cross(angular, linear)
+        self._time, self._pose, self._linear, self._angular = now, pose, linear, angular
+        return Motion(linear, angular, (x + cx, y + cy, z + cz), rates[1])
 
 
 def changed(
