@@ -187,6 +187,8 @@ def test_definitions_are_read_by_rosbags_as_those_of_ros(name: str) -> None:
     known = get_typestore(Stores.ROS2_JAZZY)
     read = get_types_from_msg(definition(name), name)
     assert name in read
-    for inner, (_, fields) in read.items():
+    for inner, (constants, fields) in read.items():
         if inner in known.fielddefs:  # vision_msgs is not in the type store
             assert fields == known.fielddefs[inner][1], inner
+            # programs that read bags write `field.datatype == PointField.FLOAT32`
+            assert sorted(constants) == sorted(known.fielddefs[inner][0]), inner

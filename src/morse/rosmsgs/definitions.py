@@ -118,6 +118,28 @@ trajectory_msgs/JointTrajectory: std_msgs/Header header, string[] joint_names,
     trajectory_msgs/JointTrajectoryPoint[] points
 """
 
+#: the constants of these messages: names whose values follow each other, from 0 unless the first one says another
+_CONSTANTS = """
+rcl_interfaces/Log: uint8 DEBUG=10 INFO=20 WARN=30 ERROR=40 FATAL=50
+sensor_msgs/NavSatStatus: int8 STATUS_UNKNOWN=-2 STATUS_NO_FIX STATUS_FIX STATUS_SBAS_FIX STATUS_GBAS_FIX,
+    uint16 SERVICE_UNKNOWN SERVICE_GPS SERVICE_GLONASS SERVICE_COMPASS=4 SERVICE_GALILEO=8
+sensor_msgs/NavSatFix: uint8 COVARIANCE_TYPE_UNKNOWN COVARIANCE_TYPE_APPROXIMATED COVARIANCE_TYPE_DIAGONAL_KNOWN
+    COVARIANCE_TYPE_KNOWN
+sensor_msgs/BatteryState: uint8 POWER_SUPPLY_STATUS_UNKNOWN POWER_SUPPLY_STATUS_CHARGING
+    POWER_SUPPLY_STATUS_DISCHARGING POWER_SUPPLY_STATUS_NOT_CHARGING POWER_SUPPLY_STATUS_FULL,
+    uint8 POWER_SUPPLY_HEALTH_UNKNOWN POWER_SUPPLY_HEALTH_GOOD POWER_SUPPLY_HEALTH_OVERHEAT POWER_SUPPLY_HEALTH_DEAD
+    POWER_SUPPLY_HEALTH_OVERVOLTAGE POWER_SUPPLY_HEALTH_UNSPEC_FAILURE POWER_SUPPLY_HEALTH_COLD
+    POWER_SUPPLY_HEALTH_WATCHDOG_TIMER_EXPIRE POWER_SUPPLY_HEALTH_SAFETY_TIMER_EXPIRE,
+    uint8 POWER_SUPPLY_TECHNOLOGY_UNKNOWN POWER_SUPPLY_TECHNOLOGY_NIMH POWER_SUPPLY_TECHNOLOGY_LION
+    POWER_SUPPLY_TECHNOLOGY_LIPO POWER_SUPPLY_TECHNOLOGY_LIFE POWER_SUPPLY_TECHNOLOGY_NICD
+    POWER_SUPPLY_TECHNOLOGY_LIMN POWER_SUPPLY_TECHNOLOGY_TERNARY POWER_SUPPLY_TECHNOLOGY_VRLA
+sensor_msgs/Range: uint8 ULTRASOUND INFRARED
+sensor_msgs/PointField: uint8 INT8=1 UINT8 INT16 UINT16 INT32 UINT32 FLOAT32 FLOAT64
+visualization_msgs/Marker: int32 ARROW CUBE SPHERE CYLINDER LINE_STRIP LINE_LIST CUBE_LIST SPHERE_LIST POINTS
+    TEXT_VIEW_FACING MESH_RESOURCE TRIANGLE_LIST ARROW_STRIP, int32 ADD MODIFY=0 DELETE=2 DELETEALL
+diagnostic_msgs/DiagnosticStatus: uint8 OK WARN ERROR STALE
+"""
+
 #: type codes of numpy
 PRIMITIVES = {
     "bool": "?", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I",
@@ -156,6 +178,24 @@ def messages() -> dict[str, tuple[MessageField, ...]]:
     return definitions
 
 
+@cache
+def constants() -> dict[str, tuple[str, ...]]:
+    """The constants of messages by their full name, each as in a ``.msg`` file: ``uint8 FLOAT32=7``."""
+    lines = {}
+    for line in re.sub(r"\n +", " ", _CONSTANTS).strip().splitlines():
+        name, _, groups = line.partition(": ")
+        found = []
+        for group in groups.split(", "):
+            kind, *names = group.split()
+            number = -1
+            for text in names:
+                constant, _, value = text.partition("=")
+                number = int(value) if value else number + 1
+                found.append(f"{kind} {constant}={number}")
+        lines[_full(name)] = tuple(found)
+    return lines
+
+
 def _field(text: str) -> MessageField:
     declaration, _, default = text.partition(" = ")
     spelling, _, name = declaration.strip().partition(" ")
@@ -189,7 +229,8 @@ def definition(type_name: str) -> str:
         names += new
         waiting += new
     return _SEPARATOR.join(
-        (f"MSG: {_short(name)}\n" if name != type_name else "") + "\n".join(map(_line, fields_of(name)))
+        (f"MSG: {_short(name)}\n" if name != type_name else "")
+        + "\n".join([*constants().get(name, ()), *map(_line, fields_of(name))])
         for name in names
     )
 

@@ -10,7 +10,7 @@ from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.rows.columns import POSITIONS, in_columns
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_level, add_state, on_read
-from morse.helpers.geodesy import LocalPlane
+from morse.helpers.geodesy import LocalPlane, has_place
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -21,6 +21,19 @@ _RAW = ["raw", "extended"]
 _EXTENDED = ["extended"]
 #: speed over ground below which the heading is undefined, m/s
 _STANDSTILL = 1e-3
+
+
+def _has_fix(gps: GPS) -> bool:
+    """Whether the position in the world is one on the earth, too: no modifier has replaced its coordinates."""
+    from morse.core.kinds.binding import fields_of
+
+    return has_place(gps.context.scene.properties) and fields_of(gps)["x"].frame == "world"
+
+
+def _on_earth(gps: GPS) -> tuple[float, float, float]:
+    """Return longitude, latitude (degrees) and altitude (m) of the measured position in the world."""
+    data = gps.local_data
+    return LocalPlane.of(gps.context.scene.properties).geodetic_of((data["x"], data["y"], data["z"]))
 
 
 def _utc(gps: GPS) -> str | None:
@@ -37,7 +50,8 @@ class GPS(Sensor):
 
     The levels ``raw`` and ``extended`` need the position of the world on the earth:
     ``env.properties(longitude=..., latitude=..., altitude=...)``, degrees and metres above the WGS84 ellipsoid, and
-    optionally ``angle_against_north``, rad. At 0 the X axis of the world points east.
+    optionally ``angle_against_north``, rad. At 0 the X axis of the world points east. With such a position, messages
+    of ROS, recordings and others have the fix on the earth at the level ``simple``, too, on the topic ``fix``.
     """
 
     _name = "GPS"
@@ -80,6 +94,15 @@ class GPS(Sensor):
         follows="velocity",
     )
     add_kind("pose", level="simple", position=("x", "y", "z"))
+    add_kind(
+        "fix",
+        level="simple",
+        when=_has_fix,
+        topic="fix",
+        longitude=lambda gps: _on_earth(gps)[0],
+        latitude=lambda gps: _on_earth(gps)[1],
+        altitude=lambda gps: _on_earth(gps)[2],
+    )
     add_kind(
         "fix",
         level=_RAW,
