@@ -61,6 +61,9 @@ class DynamicJoints(JointServices):
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         self._motors: Any = None
         self._controls: dict[str, Control] = {}
+        #: control modes, and the limits of the setpoints and the steps per tick that follow from them
+        self._bounded: tuple[dict[str, Control], list[tuple[float, float]]] = {}, []
+        self._stepped: tuple[dict[str, Control], list[float], list[float]] = {}, [], []
         #: motors of tendons: the range of the commands, and the last commands
         self._tendons: dict[str, tuple[float, float]] = {}
         self._pulled: dict[str, float] = {}
@@ -144,6 +147,11 @@ class DynamicJoints(JointServices):
     def joint_values(self) -> tuple[float, ...]:
         """The present joint values, rad or m; measured values, if the joints are dynamic."""
         return super().joint_values if self._motors is None else tuple(self._motors.positions(self.joints))
+
+    @property
+    def joint_state(self) -> tuple[list[float], list[float], list[float]] | None:
+        """The present values, velocities and efforts in one call; None if the joints are not dynamic."""
+        return None if self._motors is None else self._motors.measured(self.joints)
 
     @property
     def joint_velocities(self) -> tuple[float, ...] | None:
@@ -242,18 +250,17 @@ class DynamicJoints(JointServices):
             names = self.joints
             self._motors.tell([names[i] for i in numbers], [self._values[i] for i in numbers])
 
-    def _wanted(self) -> list[float]:
+    def _bounds(self) -> Sequence[tuple[float, float]]:
         if not self._controls:
-            return super()._wanted()
-        targets = []
-        for number, name in enumerate(self.joints):
-            control, value = self._controls.get(name), float(self.local_data[name])
-            if control is None:
-                targets.append(self.chain.clamped(number, value))
-            else:
-                most = self._most(self.chain.joint(number).dynamics, control)
-                targets.append(min(max(value, -most), most))
-        return targets
+            return super()._bounds()
+        if self._controls != self._bounded[0]:
+            bounds = list(super()._bounds())
+            for number, name in enumerate(self.joints):
+                if name in self._controls:
+                    most = self._most(self.chain.joint(number).dynamics, self._controls[name])
+                    bounds[number] = -most, most
+            self._bounded = dict(self._controls), bounds
+        return self._bounded[1]
 
     @staticmethod
     def _most(dynamics: JointDynamics | None, control: Control) -> float:
@@ -265,8 +272,11 @@ class DynamicJoints(JointServices):
         steps = super()._steps()
         if not self._controls:
             return steps
-        # velocities and efforts are applied immediately
-        return [math.inf if name in self._controls else step for name, step in zip(self.joints, steps, strict=True)]
+        if steps is not self._stepped[1] or self._controls != self._stepped[0]:
+            # velocities and efforts are applied immediately
+            own = [math.inf if name in self._controls else step for name, step in zip(self.joints, steps, strict=True)]
+            self._stepped = dict(self._controls), steps, own
+        return self._stepped[2]
 
     def _end_if_there(self, names: list[str], targets: list[float]) -> None:
         if self._motors is None:

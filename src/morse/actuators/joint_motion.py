@@ -42,6 +42,8 @@ class JointMotion(Actuator):
         self.local_data.update(zip(self.chain.names, self._values, strict=True))
         #: the last setpoints, and the clamped setpoints
         self._told: list[Any] = []
+        self._limits = [(low, high) for _, low, high in self.chain.limits]
+        self._told_bounds: Sequence[tuple[float, float]] = self._limits
         self._clamped: list[float] = []
         self._linkage = self.context.world.linkage(obj, self.chain.linked, list(self._hanging(obj)))
 
@@ -92,14 +94,19 @@ class JointMotion(Actuator):
         """Return the setpoints, clamped to the limits; the list must not be modified."""
         data = self.local_data
         targets = [data[name] for name in self.chain.names]
-        if targets != self._told:
+        bounds = self._bounds()
+        if targets != self._told or bounds is not self._told_bounds:
             # most setpoints do not change for many ticks
-            self._told = targets
+            self._told, self._told_bounds = targets, bounds
             self._clamped = [
                 low if value < low else high if value > high else value
-                for value, (_, low, high) in zip(map(float, targets), self.chain.limits, strict=True)
+                for value, (low, high) in zip(map(float, targets), bounds, strict=True)
             ]
         return self._clamped
+
+    def _bounds(self) -> Sequence[tuple[float, float]]:
+        """Return the limits of the setpoints; the same object as long as they are the same."""
+        return self._limits
 
     def _move_to(self, values: Sequence[float]) -> None:
         """Set the joint values immediately, and move the attached objects."""

@@ -72,6 +72,8 @@ class BatchedStep:
             (N,) the numbers of ticks; the simulations of the other rows, and of those with fewer ticks, are up to date.
         """
         ran = np.zeros(len(self.members), np.int64)
+        if not self.members.any():
+            return ran
         # whoever leaves is stepped next, so that its sensors measure at the end of that step
         for row in np.flatnonzero(self.members & commanded).tolist():
             self._note(row, measured=False)

@@ -87,21 +87,21 @@ class CommandColumn:
         """
         values, mask = self._plain, self.array.written
         assert mask is not None
-        # in-place operations such as `drive += 1` do not assign
-        changes = values != self._initial
-        mask |= changes.reshape(len(values), -1).any(axis=1)
+        flat = values.reshape(len(values), -1)
+        if not mask.all():
+            # in-place operations such as `drive += 1` do not assign
+            mask |= (flat != self._initial.reshape(flat.shape)).any(axis=1)
         rows = np.flatnonzero(mask)
-        if self._are_numbers:
-            numbers = values.reshape(len(values), -1)
-            is_valid: NDArray[np.bool_] = np.all((numbers >= self._low) & (numbers <= self._high), axis=1)  # not of NaN
-        else:
-            is_valid = np.zeros(len(values), bool)
-        for row in rows[~is_valid[rows]].tolist():
-            self._review(row)
         if not self._are_numbers:
+            for row in rows.tolist():
+                self._review(row)
             return rows, mask.copy()
+        is_valid: NDArray[np.bool_] = (flat >= self._low) & (flat <= self._high)  # not of NaN
+        if not is_valid.all():
+            for row in rows[~np.all(is_valid, axis=1)[rows]].tolist():
+                self._review(row)
         # the bytes, because 0.0 and -0.0 are equal
-        now, before = (array.reshape(len(array), -1).view(np.uint8) for array in (values, self._last))
+        now, before = flat.view(np.uint8), self._last.reshape(flat.shape).view(np.uint8)
         return rows, mask & (~self._has_last | (now != before).any(axis=1))
 
     def _review(self, row: int) -> None:

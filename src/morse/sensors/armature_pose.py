@@ -73,6 +73,7 @@ class ArmaturePose(Sensor):
         self._motors: Any = None if holder.name in actuators else holder.joints()
         chain = Chain(holder.node.bones)
         self._bones = tuple(chain.bones[index] for index in chain.joints)
+        self._names = tuple(bone.name for bone in self._bones)
         self._loose = tuple(chain.bones[index] for index in chain.loose)
         self.local_data.update((bone.name, bone.value) for bone in self._bones)
         self.local_data.update((bone.name, list(_AT_START[bone.kind])) for bone in self._loose)
@@ -83,7 +84,7 @@ class ArmaturePose(Sensor):
     @property
     def joints(self) -> tuple[str, ...]:
         """The names of the joints, ordered from the root."""
-        return tuple(bone.name for bone in self._bones)
+        return self._names
 
     @property
     def own_fields(self) -> Mapping[str, DataField]:
@@ -109,22 +110,18 @@ class ArmaturePose(Sensor):
 
     def measure(self) -> None:
         """Measure the joint values."""
-        motors = self._motors
-        if motors is not None:
-            names = self.joints
-            self.local_data.update(zip(names, motors.positions(names), strict=True))
-            self.velocities, self.efforts = tuple(motors.velocities(names)), tuple(motors.efforts(names))
-            for bone in self._loose:
-                self.local_data[bone.name] = motors.loose(bone.name)[0] or self.local_data[bone.name]
+        data, names, motors = self.local_data, self._names, self._motors
+        armature: Any = self.context.components[self._armature] if motors is None else None
+        state = motors.measured(names) if motors is not None else getattr(armature, "joint_state", None)
+        if state is None:
+            data.update(zip(names, armature.joint_values, strict=True))
             return
-        armature: Any = self.context.components[self._armature]
-        self.local_data.update(zip(self.joints, armature.joint_values, strict=True))
-        if getattr(armature, "is_dynamic", False):
-            self.velocities, self.efforts = armature.joint_velocities, armature.joint_efforts
-            for bone in self._loose:
-                position = armature.loose_joint(bone.name)[0]
-                if position:
-                    self.local_data[bone.name] = position
+        values, velocities, efforts = state
+        data.update(zip(names, values, strict=True))
+        self.velocities, self.efforts = tuple(velocities), tuple(efforts)
+        for bone in self._loose:
+            position, _ = armature.loose_joint(bone.name) if motors is None else motors.loose(bone.name)
+            data[bone.name] = position or data[bone.name]
 
     @service(changes=False)
     def get_joints(self) -> list[str]:

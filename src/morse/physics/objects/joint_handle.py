@@ -136,6 +136,14 @@ class JointHandle:
             [value for slot in present for value in data.qvel[slot.dof : slot.dof + slot.dofs].tolist()],
         )
 
+    def measured(self, names: Sequence[str]) -> tuple[list[float], list[float], list[float]]:
+        """Return the measured positions and velocities, and the efforts that the motors exert."""
+        self._take(names)
+        data, dofs = self._state.data, self._dofs
+        if self._all:
+            return data.qpos[self._qpos].tolist(), data.qvel[dofs].tolist(), data.qfrc_actuator[dofs].tolist()
+        return self.positions(names), self.velocities(names), self.efforts(names)
+
     def positions(self, names: Sequence[str]) -> list[float]:
         """Return the measured positions."""
         return self._read(names, self._state.data.qpos, dofs=False)
