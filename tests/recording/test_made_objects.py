@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from morse.simulation.recordings.recorded_timeline import RecordedTimeline
+    from morse.simulation.recordings.timeline import RecordedTimeline
     from morse.simulation.simulation import Simulation
     from morse.viewer.replay_view import ReplayView
 

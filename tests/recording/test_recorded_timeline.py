@@ -13,7 +13,7 @@ from morse.launch.load import start
 from morse.launch.playing import playing
 from morse.launch.recorded_run import inputs_of, shown_scene
 from morse.recording.recording import RecordedWorld, Recording
-from morse.simulation.recordings.recorded_timeline import RecordedTimeline, Timeline
+from morse.simulation.recordings.timeline import RecordedTimeline, Timeline
 
 if TYPE_CHECKING:
     import contextlib

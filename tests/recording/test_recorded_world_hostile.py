@@ -16,7 +16,7 @@ from morse.recording.recorder import BEGINNING
 from morse.recording.recording import RecordedWorld, Recording
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.definitions import definition
-from morse.simulation.recordings.recorded_timeline import _is_look
+from morse.simulation.recordings.timeline import _is_look
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,8 +11,8 @@ from recorded import SCRIPT, drive
 import morse
 from morse.launch.recorded_run import inputs_of
 from morse.recording.recording import Recording
-from morse.simulation.recordings import recorded_timeline as module
-from morse.simulation.recordings.recorded_timeline import Timeline
+from morse.simulation.recordings import timeline as module
+from morse.simulation.recordings.timeline import SimulatedTimeline
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -49,7 +49,7 @@ def recorded(tmp_path: Path, *, reset: bool) -> tuple[Path, list[str]]:
     return path, hashes.found
 
 
-def arrive(timeline: Timeline, target: int) -> None:
+def arrive(timeline: SimulatedTimeline, target: int) -> None:
     for _ in range(10_000):
         if timeline.approach(target):
             return
@@ -66,7 +66,7 @@ def test_every_position_has_the_state_of_the_run(
     path, wanted = recorded(tmp_path, reset=reset)
     assert len(wanted) == 91
     with Recording(path) as recording, morse.load(tmp_path / "scene.py") as sim:
-        timeline = Timeline(sim, inputs_of(recording), 90)
+        timeline = SimulatedTimeline(sim, inputs_of(recording), 90)
         rng = random.Random(1)
         for target in [0, 90, 0, 5, 45, *(rng.randrange(91) for _ in range(20)), *range(60, 40, -1)]:
             arrive(timeline, target)

@@ -20,7 +20,7 @@ from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
 from morse.simulation import population
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, entry_to_bytes
-from morse.simulation.recordings.recorded_timeline import Timeline
+from morse.simulation.recordings.timeline import SimulatedTimeline
 from morse.simulation.states.state import State
 from morse.verification.resimulation import resimulate
 
@@ -473,7 +473,7 @@ def test_a_recording_that_claims_to_last_for_ages_ends_where_its_messages_end(tm
 
 def test_a_page_of_inputs_that_do_not_fit_ends_there(caplog: pytest.LogCaptureFixture) -> None:
     with morse.load(scene) as sim:
-        timeline = Timeline(sim, changed(recorded(), COMMAND, 1, name="morsy.wings"), 12)
+        timeline = SimulatedTimeline(sim, changed(recorded(), COMMAND, 1, name="morsy.wings"), 12)
         for _ in range(20):
             if not timeline.at_end:
                 timeline.forward()

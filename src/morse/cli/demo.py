@@ -22,7 +22,7 @@ from morse.cli.run import parse_speed
 from morse.core.reports import log
 from morse.core.reports.printing import echo
 from morse.simulation.options import RunOptions
-from morse.viewer.live_view import has_display
+from morse.viewer.display import has_display
 
 if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation

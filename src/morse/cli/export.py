@@ -95,7 +95,7 @@ def write_film(
     """
     from morse.launch.recorded_run import timeline_of
     from morse.rendering import picture_files
-    from morse.simulation.recordings.recorded_timeline import RecordedTimeline
+    from morse.simulation.recordings.timeline import RecordedTimeline
 
     with contextlib.ExitStack() as stack:
         simulation, timeline = timeline_of(recording, stack, scene, say, trust=trust, projects=projects)

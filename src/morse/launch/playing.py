@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 
 from morse.launch.ending_signals import ending_signals
 from morse.launch.load import resolve
-from morse.launch.recorded_run import complete, guard, inputs_of, shown_scene
-from morse.recording.errors import RecordingError
+from morse.launch.recorded_run import guard, inputs_of, shown_scene, timeline_in
 from morse.recording.recorder import FIRST_SHOWN
-from morse.simulation.recordings.recorded_timeline import RecordedTimeline, Timeline
 from morse.simulation.simulation import Simulation
 from morse.viewer.replay_view import ReplayView
 
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
 
     from morse.recording.recording import Recording
     from morse.scene import Scene
-    from morse.simulation.recordings.input_recording import InputRecording
 
 
 @contextlib.contextmanager
@@ -61,33 +58,11 @@ def playing(
         simulation = stack.enter_context(Simulation(scene_view.scene, options))
         simulation.load()
         guard(simulation, described=scene_view.is_described, trust=trust)
-        timeline = _timeline(simulation, recording, inputs, say, described=scene_view.is_described)
+        timeline = timeline_in(simulation, recording, inputs, say, described=scene_view.is_described)
         view = ReplayView(simulation, timeline, recording)
         simulation.view = view
         simulation.observers.append(view)
         yield view
-
-
-def _timeline(
-    simulation: Simulation,
-    recording: Recording,
-    inputs: InputRecording,
-    say: Callable[[str], object],
-    *,
-    described: bool,
-) -> Timeline | RecordedTimeline:
-    if RecordedTimeline.is_possible(recording, inputs):
-        try:
-            timeline = RecordedTimeline(simulation, recording, inputs, described=described)
-            for name in timeline.lost:
-                say(f"'{name}' was spawned by a function of a program, and is not shown.")
-            return timeline
-        except RecordingError as error:
-            if described:
-                raise
-            say(f"{error}. The run is simulated again.")
-    # simulating needs every input
-    return Timeline(simulation, complete(recording, simulation, described=described), recording.length())
 
 
 def play(view: ReplayView) -> None:

@@ -27,8 +27,8 @@ from morse.recording.made.reading import RecordedMade
 from morse.services.foreign_models import check_model
 from morse.simulation.options import RunOptions
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
-from morse.simulation.recordings.recorded_timeline import RecordedTimeline, Timeline, modules_of
 from morse.simulation.recordings.recorders import MODULES, STATE
+from morse.simulation.recordings.timeline import RecordedTimeline, SimulatedTimeline, Timeline, modules_of
 from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
@@ -280,7 +280,7 @@ def timeline_of(
     *,
     trust: bool,
     projects: Sequence[str] = (),
-) -> tuple[Simulation, Timeline | RecordedTimeline]:
+) -> tuple[Simulation, Timeline]:
     """The simulation of the scene of a recording, and its run: the recorded poses or, without them, the inputs.
 
     Args:
@@ -297,7 +297,34 @@ def timeline_of(
     view = shown_scene(recording, inputs, scene, trust, stack, say, projects)
     simulation = stack.enter_context(start(view.scene, view.options))
     guard(simulation, described=view.is_described, trust=trust)
+    return simulation, timeline_in(simulation, recording, inputs, say, described=view.is_described)
+
+
+def timeline_in(
+    simulation: Simulation,
+    recording: Recording,
+    inputs: InputRecording,
+    say: Callable[[str], object],
+    *,
+    described: bool,
+) -> Timeline:
+    """A recorded run in a simulation of its scene: the recorded poses or, without them, the inputs.
+
+    Args:
+        described: whether the recording describes the scene.
+
+    Raises:
+        MorseError: the run cannot be simulated again.
+    """
     if RecordedTimeline.is_possible(recording, inputs):
-        return simulation, RecordedTimeline(simulation, recording, inputs, described=view.is_described)
-    inputs = complete(recording, simulation, described=view.is_described)
-    return simulation, Timeline(simulation, inputs, recording.length())
+        try:
+            timeline = RecordedTimeline(simulation, recording, inputs, described=described)
+            for name in timeline.lost:
+                say(f"'{name}' was spawned by a function of a program, and is not shown.")
+            return timeline
+        except RecordingError as error:
+            if described:
+                raise
+            say(f"{error}. The run is simulated again.")
+    # simulating needs every input
+    return SimulatedTimeline(simulation, complete(recording, simulation, described=described), recording.length())

@@ -28,19 +28,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.context import Context
-    from morse.simulation.running import Running
+    from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger(__name__)
 
 SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
 
 
-def _folders_of_models(simulation: Running) -> list[Path]:
+def _folders_of_models(simulation: Simulation) -> list[Path]:
     own = [Path(folder) for folder in simulation.scene.resource_paths]
     return [*own, *search.resource_dirs(), *search.component_dirs()]
 
 
-def offer_services(simulation: Running) -> None:
+def offer_services(simulation: Simulation) -> None:
     """Create the objects that implement the services, and start the request managers that offer them, if any."""
     context, scene = simulation.context, simulation.scene
     managers = list(dict.fromkeys([SOCKET_REQUESTS, *scene.simulation_managers])) if simulation.options.sockets else []

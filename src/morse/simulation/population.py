@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from morse.core.values import StateData
     from morse.core.world import Body
     from morse.scene import ComponentDeclaration, Node, Zone
-    from morse.simulation.running import Running
+    from morse.simulation.simulation import Simulation
 
 _T = TypeVar("_T")
 _NO_MAKERS: Mapping[str, Callable[[], object]] = MappingProxyType({})
@@ -66,7 +66,7 @@ class Population:
             error to refuse it.
     """
 
-    def __init__(self, simulation: Running) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         scene = simulation.scene
         self._launch: tuple[list[Node], list[ComponentDeclaration], list[Zone]] = (

@@ -27,7 +27,9 @@ from morse.simulation.offering import offer_services
 from morse.simulation.ownership import Ownership
 from morse.simulation.pictures import SimulationPictures
 from morse.simulation.population import Population
-from morse.simulation.recordings.recorders import Recorded
+from morse.simulation.recordings.input_recording import InputRecorder
+from morse.simulation.recordings.recorders import start_recording
+from morse.simulation.recordings.replaying import Replay
 from morse.simulation.states.saving import Saving
 from morse.simulation.states.state import State
 from morse.simulation.ticks.loop import Loop
@@ -45,15 +47,19 @@ if TYPE_CHECKING:
     from morse.core.journal import Journal
     from morse.core.observer import Observer
     from morse.physics.model.compile import Compiled
+    from morse.recording.recorder import Recorder
     from morse.scene import Scene
+    from morse.simulation.handles.textures import NamedPictures
     from morse.simulation.options import RunOptions
     from morse.simulation.pictures import LiveView
+    from morse.simulation.recordings.input_recording import InputRecording
+    from morse.simulation.recordings.recorders import FlightRecorder
 
 
 logger = logging.getLogger(__name__)
 
 
-class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
+class Simulation(Finalizing, Handles, Paused, SimulationPictures):
     """A loaded scene that can be run; it is created by `morse.load`.
 
     Robots are attributes, and their components are attributes of the robots, with the interface of `pymorse.Morse`: see
@@ -66,6 +72,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
         edits: files that were saved while it runs.
         delays_interrupts: whether Ctrl+C takes effect after a complete tick; somebody else does that for a batch.
         failed: whether the simulation has to end because a part of it cannot continue.
+        recorders: the active recordings in files.
+        flight_recorder: keeps the last seconds before a failure, or None.
 
     Args:
         compiled: see `morse.physics.World`.
@@ -104,6 +112,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
         #: profile of the sensors for which the script requests a profile
         self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None
         self._set_up_profiles()
+        self.recorders: list[Recorder] = []
+        self.flight_recorder: FlightRecorder | None = None
         self.failed = self.finished = False
         self.delays_interrupts = True
         self._time = Ownership(self.stop)
@@ -114,6 +124,7 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
         if options.on_failure == "raise":
             self.context.guard.raises = self.part_failed
         self.population = Population(self)
+        self.pictures: NamedPictures
         self._saving = Saving(self)
         with acting(self.context), scene.project:
             offer_services(self)
@@ -337,6 +348,10 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
             state.write(path)
         return state
 
+    def silent_state(self) -> State:
+        """The complete state, as from `save`, without warnings about values that cannot be saved."""
+        return self._saving.save(tell=False)
+
     def restore(self, state: State | str | os.PathLike[str]) -> None:
         """Restore a state that `save` returned, or a file; running services end as preempted.
 
@@ -374,6 +389,54 @@ class Simulation(Recorded, Finalizing, Handles, Paused, SimulationPictures):
         """End running services as preempted."""
         self.context.services.preempt(self.context.service_objects)
         self.cancel_steps()
+
+    # -- recordings ------------------------------------------------------------------------
+
+    def record(self, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
+        """Record the run in an MCAP file: sensors, frames, log, and all inputs.
+
+        The recording continues until `Recorder.stop`, the end of a ``with`` block, or the end of the simulation.
+
+        Args:
+            path: path of the file, which must not exist.
+            sensors: full names of the recorded sensors; None for all, empty for only inputs and the log.
+
+        Raises:
+            RecordingError: the file exists or cannot be written, or there is no such sensor.
+        """
+        self._check_open()
+        with acting(self.context):
+            return start_recording(self, path, sensors)
+
+    def end_recordings(self) -> None:
+        """Complete the files of all recordings; errors are logged."""
+        for recorder in list(self.recorders):
+            recorder.close()
+
+    def record_inputs(self) -> InputRecorder:
+        """Record all inputs from now on; see `replay`."""
+        return InputRecorder(self)
+
+    def replay(
+        self,
+        recording: InputRecording,
+        each_tick: Callable[[], object] | None = None,
+        *,
+        results: bool = True,
+    ) -> None:
+        """Replay a recording from its beginning to its end, bit for bit.
+
+        Args:
+            recording: recording of a simulation of the same scene.
+            each_tick: callback, called after every tick.
+            results: whether the results of services have to be the same.
+
+        Raises:
+            StateError: the recording belongs to another scene, or an input does not fit the run: it has another
+                outcome, for example.
+        """
+        self._check_open()
+        Replay(self, recording, results=results).run(each_tick)
 
     # -- spawning and deletion -------------------------------------------------------------
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from morse.core.declarations import data_fields
 from morse.recording.fields.reading import RecordedFields
-from morse.simulation.recordings.recorded_timeline import RecordedTimeline
+from morse.simulation.recordings.timeline import RecordedTimeline
 from morse.viewer.describe import appearances, describe, moving_nodes, world_key
 from morse.viewer.feeds.components import ValuesFeed, component_tree
 from morse.viewer.feeds.recorded import RecordedPicturesFeed, RecordedValuesFeed, cast_wished_rays
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from morse.core.values import JsonObject
     from morse.recording.recording import Recording
     from morse.scene import Scene
-    from morse.simulation.recordings.recorded_timeline import Timeline
+    from morse.simulation.recordings.timeline import Timeline
     from morse.simulation.simulation import Simulation
     from morse.viewer.live_view import Feed
     from morse.viewer.snapshot import MovingNode
@@ -257,9 +257,7 @@ class Span(NamedTuple):
     length: float | None = None
 
 
-def wind(
-    simulation: Simulation, timeline: Timeline | RecordedTimeline, recording: Recording, title: str, span: Span
-) -> bytes:
+def wind(simulation: Simulation, timeline: Timeline, recording: Recording, title: str, span: Span) -> bytes:
     """The tape of a recorded run.
 
     Args:
@@ -321,7 +319,7 @@ def wind(
                 getattr(feed, "restarted", list)()
         for look in appearances(world):
             server.send(look)
-        server.publish(world.poses() if recorded_timeline is None else recorded_timeline.poses())
+        server.publish(timeline.poses())
         if number % round(_POSES / _DATA) == 0:
             values.update()
         if number % round(_POSES / _SIGHTS) == 0:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import logging
 import math
-import os
-import sys
 import time
 import webbrowser
 from pathlib import Path, PurePath
@@ -18,6 +16,7 @@ from morse.core.reports.faults import class_name, place, summary
 from morse.core.reports.quoting import short
 from morse.viewer import page_messages as page
 from morse.viewer.describe import appearances, moving_nodes, pictured
+from morse.viewer.display import has_display
 from morse.viewer.editor.editor import Editor
 from morse.viewer.feeds.components import StatesFeed, ValuesFeed, ViewDebug, component_tree, keyboard_robots
 from morse.viewer.feeds.log import LogFeed, RecordingsFeed, printable
@@ -52,14 +51,6 @@ def title_of(script: str, environment: str) -> str:
     path = Path(script) if script else Path()
     name = path.absolute().parent.name if path.stem in _COMMON else path.stem
     return name or environment or "MORSE"
-
-
-# Whether this machine can show a window.
-
-
-def has_display() -> bool:
-    """Whether a browser window can be opened here."""
-    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 class Moving:

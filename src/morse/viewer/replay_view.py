@@ -7,7 +7,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from morse.recording.fields.reading import RecordedFields
-from morse.simulation.recordings.recorded_timeline import RecordedTimeline
+from morse.simulation.recordings.timeline import RecordedTimeline
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.recorded import RecordedPicturesFeed, RecordedValuesFeed, cast_wished_rays
 from morse.viewer.live_view import View
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.recording.recording import Recording
-    from morse.simulation.recordings.recorded_timeline import Timeline
+    from morse.simulation.recordings.timeline import Timeline
     from morse.simulation.simulation import Simulation
 
 #: maximum number of positions of the time line
@@ -58,7 +58,7 @@ class ReplayView(View):
     def __init__(
         self,
         simulation: Simulation,
-        timeline: Timeline | RecordedTimeline,
+        timeline: Timeline,
         recording: Recording,
     ) -> None:
         self._timeline = timeline
@@ -115,7 +115,7 @@ class ReplayView(View):
         return self._start + self._timeline.position / self._simulation.clock.frequency
 
     def _poses(self) -> NDArray[np.float32]:
-        return super()._poses() if self._recorded_timeline is None else self._recorded_timeline.poses()
+        return self._timeline.poses()
 
     def after_tick(self) -> None:
         """See `View.after_tick`."""

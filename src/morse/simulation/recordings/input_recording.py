@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from morse.core.values import Fields, Value
-    from morse.simulation.running import Running
+    from morse.simulation.simulation import Simulation
 
 #: of the present version, and of earlier ones
 _HEAD, _HEADS = b"MORSE inputs 2\n", (b"MORSE inputs 1\n", b"MORSE inputs 2\n")
@@ -160,7 +160,7 @@ class InputRecorder:
         recording: the inputs so far.
     """
 
-    def __init__(self, simulation: Running) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         start = None if simulation.is_new else simulation.save()
         self.recording = InputRecording(simulation.seed(), start, life=simulation.journal.life)

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core import status
 from morse.core.classes.project_imports import ProjectImports
-from morse.core.context import acting
 from morse.core.journal import OUTCOME, RESET, RESTORE
 from morse.core.observer import SHOWN, Observer
 from morse.core.reports.hints import nearest
@@ -33,20 +32,17 @@ from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recorder import BEGINNING, END, FORMAT, MEDIA_TYPE, PRESENT, Beginning, Recorder
 from morse.rosmsgs.definitions import definition
-from morse.simulation.recordings.input_recording import InputRecorder, entry_to_bytes, kept, waiting_to_bytes
-from morse.simulation.recordings.replaying import Replay
+from morse.simulation.recordings.input_recording import entry_to_bytes, kept, waiting_to_bytes
 from morse.simulation.states.saving import InputsState
 from morse.system.regular_files import read_regular
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
     from io import FileIO
 
     from morse.core.journal import Entry
-    from morse.simulation.recordings.input_recording import InputRecording
-    from morse.simulation.running import Running
-    from morse.simulation.states.saving import Saving
+    from morse.simulation.simulation import Simulation
     from morse.simulation.states.state import State
 
 
@@ -59,7 +55,7 @@ _LARGEST = 4 << 20
 
 
 def start_recording(
-    simulation: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None
+    simulation: Simulation, path: str | os.PathLike[str], sensors: Sequence[str] | None = None
 ) -> Recorder:
     """Start a recording.
 
@@ -84,7 +80,7 @@ def start_recording(
 
 def write_inputs(
     file: FileIO,
-    simulation: Running,
+    simulation: Simulation,
     start: State | None,
     seed: int,
     life: int,
@@ -140,7 +136,7 @@ def machine_facts() -> dict[str, str]:
     return {"processor": processor.kind(), "python": platform.python_version(), **versions}
 
 
-def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
+def _beginning(simulation: Simulation, sensors: Sequence[str] | None) -> Beginning:
     options, project = simulation.options, simulation.scene.project
     facts = {
         "morse": __version__,
@@ -178,7 +174,7 @@ def _tell_lost(error: ValueError) -> None:
     )
 
 
-def _ending(simulation: Running) -> dict[str, str]:
+def _ending(simulation: Simulation) -> dict[str, str]:
     waiting = waiting_to_bytes(InputsState(simulation).get_state())
     facts = {"tick": str(simulation.ticks), "waiting": base64.b64encode(waiting).decode()}
     with suppress(StateError):  # the state of a component of the user is not available
@@ -244,7 +240,7 @@ class FlightRecorder(Observer):
         span: minimum number of simulated seconds before a failure, if the run was long enough.
     """
 
-    def __init__(self, simulation: Running, span: float) -> None:
+    def __init__(self, simulation: Simulation, span: float) -> None:
         self._simulation = simulation
         # with three states or more, at least two whole segments have passed
         self._every = max(1, round(span / 2 * simulation.clock.frequency))
@@ -375,71 +371,3 @@ def _remove_old(path: str) -> None:
         # another run may have removed it, or may read it
         with contextlib.suppress(OSError):
             other.unlink()
-
-
-# Recordings of a simulation: its inputs in memory, the whole run in files.
-
-
-class Recorded:
-    """The part of `morse.simulation.simulation.Simulation` that records and replays.
-
-    Attributes:
-        recorders: the active recordings in files.
-        flight_recorder: keeps the last seconds before a failure, or None.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._saving: Saving
-        self.recorders: list[Recorder] = []
-        self.flight_recorder: FlightRecorder | None = None
-
-    def record(self: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
-        """Record the run in an MCAP file: sensors, frames, log, and all inputs.
-
-        The recording continues until `Recorder.stop`, the end of a ``with`` block, or the end of the simulation.
-
-        Args:
-            path: path of the file, which must not exist.
-            sensors: full names of the recorded sensors; None for all, empty for only inputs and the log.
-
-        Raises:
-            RecordingError: the file exists or cannot be written, or there is no such sensor.
-        """
-        self._check_open()
-        with acting(self.context):
-            return start_recording(self, path, sensors)
-
-    def silent_state(self) -> State:
-        """The complete state, as from `save`, without warnings about values that cannot be saved."""
-        return self._saving.save(tell=False)
-
-    def end_recordings(self) -> None:
-        """Complete the files of all recordings; errors are logged."""
-        for recorder in list(self.recorders):
-            recorder.close()
-
-    def record_inputs(self: Running) -> InputRecorder:
-        """Record all inputs from now on; see `replay`."""
-        return InputRecorder(self)
-
-    def replay(
-        self: Running,
-        recording: InputRecording,
-        each_tick: Callable[[], object] | None = None,
-        *,
-        results: bool = True,
-    ) -> None:
-        """Replay a recording from its beginning to its end, bit for bit.
-
-        Args:
-            recording: recording of a simulation of the same scene.
-            each_tick: callback, called after every tick.
-            results: whether the results of services have to be the same.
-
-        Raises:
-            StateError: the recording belongs to another scene, or an input does not fit the run: it has another
-                outcome, for example.
-        """
-        self._check_open()
-        Replay(self, recording, results=results).run(each_tick)

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from morse.core.values import Value
     from morse.simulation.handles.futures import LocalFuture
     from morse.simulation.recordings.input_recording import InputRecording
-    from morse.simulation.running import Running
+    from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger(__name__)
 
@@ -73,7 +73,7 @@ class Replay:
         ReplayError: the inputs are not in order.
     """
 
-    def __init__(self, simulation: Running, recording: InputRecording, *, results: bool = False) -> None:
+    def __init__(self, simulation: Simulation, recording: InputRecording, *, results: bool = False) -> None:
         edit = next((entry for entry in recording.entries if entry.kind == EDIT), None)
         if edit is not None:
             raise StateError(

@@ -8,7 +8,7 @@ import sys
 from enum import Enum
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 from weakref import WeakKeyDictionary
 
 import msgspec
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
     from morse.core.world import World
-    from morse.simulation.running import Holder, Running
+    from morse.simulation.simulation import Simulation
 
 
 # Maps the parts of a simulation, and the variables of its project, to names in states and back.
@@ -44,7 +44,7 @@ _PLAIN = (type(None), bool, int, float, complex, str, bytes, tuple, frozenset, M
 class StateParts:
     """See `morse.core.state.References`."""
 
-    def __init__(self, simulation: Running) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._classes: dict[str, type] = {}
         self._globals: dict[int, str] = {}
@@ -212,7 +212,7 @@ def check_population(state: Any) -> StateData:
 class ClockState:
     """Tick, seeds, and the time of tick 0."""
 
-    def __init__(self, simulation: Running) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
 
     def get_state(self) -> StateData:
@@ -243,7 +243,7 @@ class ClockState:
 class ControlsState:
     """Keyboard and gamepad input at the live view."""
 
-    def __init__(self, simulation: Running) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
 
     def get_state(self) -> StateData:
@@ -264,7 +264,7 @@ class ControlsState:
 class InputsState:
     """Commands that the actuators have not applied yet."""
 
-    def __init__(self, simulation: Running) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
 
     def get_state(self) -> dict[str, StateData]:
@@ -309,7 +309,7 @@ _ARRANGEMENT = ("clock", "controls", "population", "physics")
 class Saving:
     """Saves and restores one simulation."""
 
-    def __init__(self, simulation: Running) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._parts = StateParts(simulation)
         self._warnings: set[str] = set()
@@ -501,6 +501,16 @@ class Saving:
         for name, overlay in context.overlays.items():
             yield f"overlay {name}", overlay
         yield "inputs", InputsState(simulation)
+
+
+class Holder(Protocol):
+    """An object with a state."""
+
+    def get_state(self) -> object:
+        """Return the state as plain data."""
+
+    def set_state(self, state: Any) -> None:
+        """Restore a state that `get_state` returned."""
 
 
 def _state_of(name: str, holder: Holder) -> object:

@@ -1,4 +1,4 @@
-"""A recorded run that is shown from its recorded poses, without simulating it again."""
+"""A recorded run at any of its ticks: simulated again from its inputs, or shown from its recorded poses."""
 
 from __future__ import annotations
 
@@ -33,10 +33,8 @@ if TYPE_CHECKING:
     from morse.core.journal import Entry
     from morse.recording.recording import Recording
     from morse.simulation.recordings.input_recording import InputRecording
-    from morse.simulation.running import Running
+    from morse.simulation.simulation import Simulation
 
-
-# A recorded run that can be played forward and backward: its inputs are replayed, and states are saved.
 
 logger = logging.getLogger(__name__)
 
@@ -46,12 +44,6 @@ _EVERY = 30
 _MOST = 600
 
 
-class _Kept(NamedTuple):
-    position: int
-    state: State
-    replay: Any
-
-
 class Timeline:
     """A simulation at any tick of a recorded run.
 
@@ -59,30 +51,66 @@ class Timeline:
 
     Args:
         simulation: a simulation of the scene; it is set to the beginning of the recording.
-        recording: the inputs.
         length: number of ticks of the whole recording.
 
     Attributes:
         position: ticks since the beginning.
         length: the last position.
+    """
+
+    def __init__(self, simulation: Simulation, length: int) -> None:
+        self._simulation = simulation
+        self.position, self.length = 0, length
+
+    @property
+    def at_end(self) -> bool:
+        """Whether the end of the recording is reached."""
+        return self.position >= self.length
+
+    def forward(self) -> None:
+        """One tick."""
+        self.approach(self.position + 1)
+
+    def approach(self, target: int) -> bool:
+        """Go to a position, or a part of the way that takes about the time of a tick.
+
+        Returns:
+            Whether the position is reached, or the recording ends before it.
+        """
+        raise NotImplementedError
+
+    def poses(self) -> NDArray[np.float32]:
+        """Return (M, 7) poses of the moving nodes of the world, as `World.poses` does."""
+        return self._simulation.world.poses()
+
+
+class _Kept(NamedTuple):
+    position: int
+    state: State
+    replay: Any
+
+
+class SimulatedTimeline(Timeline):
+    """The inputs of the run are replayed; states that are saved in between make it go back.
+
+    Args:
+        recording: the inputs.
 
     Raises:
         StateError: the recording belongs to another scene.
     """
 
-    def __init__(self, simulation: Running, recording: InputRecording, length: int) -> None:
-        self._simulation = simulation
+    def __init__(self, simulation: Simulation, recording: InputRecording, length: int) -> None:
+        super().__init__(simulation, length)
         self._replay = Replay(simulation, recording)
-        self.length = length
-        self.position = 0
         self._every = _EVERY
         self._moments: list[_Kept] = []
         self._keep()
 
     @property
     def at_end(self) -> bool:
-        """Whether the end of the recording was reached."""
-        return self.position >= self.length or self._replay.done
+        """Whether the end of the recording is reached."""
+        return super().at_end or self._replay.done
 
     def forward(self) -> None:
         """Run one tick; the run ends at an input that does not fit it, which is logged."""
@@ -103,11 +131,7 @@ class Timeline:
             self._every *= 2
 
     def approach(self, target: int) -> bool:
-        """Move towards a position by one tick, or by restoring a saved state.
-
-        Returns:
-            Whether the position is reached, or the recording ends before it.
-        """
+        """Move towards a position by one tick, or by restoring a saved state."""
         target = max(0, min(target, self.length))
         nearest = self._moments[bisect.bisect_right(self._moments, target, key=lambda moment: moment.position) - 1]
         if target < self.position or nearest.position > self.position:
@@ -125,7 +149,7 @@ _POPULATION = (RESET, RESTORE, SPAWN, DELETE)
 _LAMP = ("energy", "distance", "spot_size")
 
 
-class RecordedTimeline:
+class RecordedTimeline(Timeline):
     """The world of a simulation at any tick of a recorded run: poses and appearance are those of the recording.
 
     The components do not act, and nothing is simulated. Robots that were spawned or deleted come and go with the inputs
@@ -138,8 +162,6 @@ class RecordedTimeline:
         described: whether the recording describes the scene: all objects are created from their descriptions then.
 
     Attributes:
-        position: ticks since the beginning.
-        length: the last position.
         moment: the poses.
         made: descriptions of the objects that were spawned.
         lost: names of objects without a description; they are not shown.
@@ -150,13 +172,12 @@ class RecordedTimeline:
     """
 
     def __init__(
-        self, simulation: Running, recording: Recording, inputs: InputRecording, *, described: bool = False
+        self, simulation: Simulation, recording: Recording, inputs: InputRecording, *, described: bool = False
     ) -> None:
-        self._simulation, self._inputs, self._from_descriptions = simulation, inputs, described
+        super().__init__(simulation, recording.length())
+        self._inputs, self._from_descriptions = inputs, described
         self._world = simulation.world
         self.recorded = RecordedWorld(recording)
-        self.length = recording.length()
-        self.position = 0
         if "origin" in recording.facts:  # the time of tick 0, ns: of a scene with the time of day, that of the run
             simulation.clock.go_to(simulation.clock.tick, recording.number("origin") / 1e9)
         self._start = simulation.clock.stamp_of(recording.number("tick"))
@@ -196,11 +217,6 @@ class RecordedTimeline:
         return RecordedWorld.is_in(recording) and all(entry.kind != EDIT for entry in inputs.entries)
 
     @property
-    def at_end(self) -> bool:
-        """Whether the end of the recording is reached."""
-        return self.position >= self.length
-
-    @property
     def log_time(self) -> int:
         """The log time of the messages of the present position, ns."""
         return self._start + round(self.position / self._simulation.clock.frequency * 1e9)
@@ -215,10 +231,6 @@ class RecordedTimeline:
         times, entries = self._inputs_of.get((kind, name), ([], []))
         count = bisect_right(times, self.log_time + 1000)
         return entries[count - 1].content if count else None
-
-    def forward(self) -> None:
-        """One tick."""
-        self.approach(self.position + 1)
 
     def approach(self, target: int) -> bool:
         """Go to a position; returns True, because that takes no time."""
@@ -349,7 +361,7 @@ class RecordedTimeline:
         return np.array(rows, dtype=np.float32).reshape(-1, 7)
 
 
-def modules_of(simulation: Running) -> Collection[str]:
+def modules_of(simulation: Simulation) -> Collection[str]:
     """The modules of the project."""
     project = simulation.scene.project
     return project.sources() if isinstance(project, ProjectImports) else ()
