@@ -25,7 +25,7 @@ class Constraint:
         data: ``connect``: the point in the frame of the first link, m. ``weld``: a point in the frame of the second
             link and the same point in that of the first one, m; the quaternion of the second link in the first one; the
             torque scale. Otherwise five coefficients of a polynomial, of the differences from the initial values.
-        solver: ``solref`` (2) and ``solimp`` (5).
+        solver: ``solref`` (2) and ``solimp`` (5); None for as stiff as the step of the engine allows.
         is_active: whether it holds from the start.
     """
 
@@ -33,7 +33,7 @@ class Constraint:
     one: str
     other: str
     data: Floats
-    solver: Floats
+    solver: Floats | None = None
     is_active: bool = True
 
 

@@ -362,3 +362,71 @@ def test_models_of_a_world_are_loaded_once_each(tmp_path) -> None:
       <model name="crate"><link name="l">{LINK}</link></model>
       <model name="crate_2"><static>1</static><link name="l">{LINK}</link></model></world></sdf>""")
     assert [root.name for root in load(path).roots] == ["crate", "crate_2"]
+
+
+def test_a_four_bar_linkage_is_as_stiff_as_its_joints(tmp_path) -> None:
+    """Crank 0.2 m, coupler 0.5 m, rocker 0.4 m, 0.5 m between the pivots: the angle of the rocker from geometry."""
+    a, b, c, g, start = 0.2, 0.5, 0.4, 0.5, 0.5
+
+    def rocker(crank: float) -> tuple[float, float, float]:
+        """The end of the coupler, m, and the angle of the rocker, rad."""
+        x, y = g - a * math.cos(crank), -a * math.sin(crank)
+        far = math.hypot(x, y)
+        along = (b * b - c * c + far * far) / (2.0 * far)
+        up = math.sqrt(b * b - along * along)
+        end = a * math.cos(crank) + (along * x - up * y) / far, a * math.sin(crank) + (along * y + up * x) / far
+        return *end, math.atan2(end[1], end[0] - g)
+
+    def link(name: str, x: float, z: float, angle: float, length: float) -> str:
+        inertia = "<inertia><ixx>0.001</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>"
+        return f"""<link name="{name}"><pose>{x} 0 {z + 1.0} 0 {-angle} 0</pose><inertial><mass>0.5</mass>
+          <pose>{length / 2} 0 0 0 0 0</pose>{inertia}</inertial></link>"""
+
+    def hinge(name: str, parent: str, child: str, pose: str = "") -> str:
+        return f"""<joint name="{name}" type="revolute"><parent>{parent}</parent><child>{child}</child>{pose}
+          <axis><xyz expressed_in="__model__">0 -1 0</xyz></axis></joint>"""
+
+    x, y, angle = rocker(start)
+    pin = a * math.cos(start), a * math.sin(start)
+    (tmp_path / "bars.sdf").write_text(f"""<sdf version="1.9"><model name="bars"><link name="base"/>
+      <joint name="ground" type="fixed"><parent>world</parent><child>base</child></joint>
+      {link("crank", 0, 0, start, a)}{link("coupler", *pin, math.atan2(y - pin[1], x - pin[0]), b)}
+      {link("rocker", g, 0, angle, c)}{hinge("drive", "base", "crank")}{hinge("pin", "crank", "coupler")}
+      {hinge("rock", "base", "rocker")}
+      {hinge("close", "rocker", "coupler", f'<pose relative_to="coupler">{b} 0 0 0 0 0</pose>')}</model></sdf>""")
+    (tmp_path / "scene.py").write_text(
+        f"from morse.builder import *\nrobot = Robot({str(tmp_path / 'bars.sdf')!r})\n"
+        "arm = Armature(armature_name='bars_joints')\narm.control('velocity', ['drive'])\n"
+        "arm.control('effort', ['pin', 'rock'])\nrobot.append(arm)\nenv = Environment('empty')\n"
+    )
+    with morse.load(tmp_path / "scene.py") as sim:
+        joints = [sim.world.data.joint(f"robot.arm/{name}") for name in ("drive", "rock")]
+        sim.robot.arm.publish({"drive": 2.0})
+        sim.step(3)  # the motor brings the crank to this speed within a tick
+        for _ in range(240):
+            sim.step(1)
+            drive, rock = (float(joint.qpos[0]) for joint in joints)
+            assert angle + rock == pytest.approx(rocker(start + drive)[2], abs=1e-3)
+        assert drive == pytest.approx(8.1, abs=0.2)
+
+
+def test_a_nut_turns_as_its_thread_says(tmp_path) -> None:
+    inertia, lead = 0.04, 0.1
+    pitch = lead / (2.0 * math.pi)
+    (tmp_path / "screw.sdf").write_text(f"""<sdf version="1.9"><model name="screw"><link name="base"/>
+      <joint name="ground" type="fixed"><parent>world</parent><child>base</child></joint>
+      <link name="nut"><pose>0 0 2 0 0 0</pose><inertial><mass>1</mass>
+      <inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz></inertia></inertial></link>
+      <joint name="thread" type="screw"><parent>base</parent><child>nut</child><axis><xyz>0 0 1</xyz></axis>
+      <screw_thread_pitch>{lead}</screw_thread_pitch></joint></model></sdf>""")
+    (tmp_path / "scene.py").write_text(
+        f"from morse.builder import *\nrobot = Robot({str(tmp_path / 'screw.sdf')!r})\n"
+        "arm = Armature(armature_name='screw_joints')\narm.control('effort')\nrobot.append(arm)\n"
+        "env = Environment('empty')\n"
+    )
+    with morse.load(tmp_path / "scene.py") as sim:
+        sim.step(60)
+        turn, fall = (float(value) for value in sim.world.data.qpos)
+        assert fall / turn == pytest.approx(pitch, rel=1e-3)
+        # of its weight, the thread leaves what its inertia takes; the steps of the engine add 0.4 % to a second
+        assert -fall == pytest.approx(0.5 * 9.81 / (1.0 + inertia / pitch**2), rel=0.01)

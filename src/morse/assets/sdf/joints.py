@@ -38,8 +38,6 @@ _KINDS = {
 }
 #: distance of the two points that hold the axis of a hinge that closes a loop, m
 _LEVER = 0.1
-#: ``solref`` and ``solimp`` of constraints, the defaults of MuJoCo
-_SOLVER = (0.02, 1.0, 0.9, 0.95, 0.001, 0.5, 2.0)
 
 
 class JointTree:
@@ -186,14 +184,14 @@ class JointTree:
             relative = parent @ self._poses[joint.child]
             rotation = tuple(relative.to_quaternion())
             data = (0.0, 0.0, 0.0, *relative.translation, *rotation, 1.0)
-            self.constraints.append(Constraint(ConstraintKind.WELD, joint.parent, joint.child, data, _SOLVER))
+            self.constraints.append(Constraint(ConstraintKind.WELD, joint.parent, joint.child, data))
             return
         elif kind != "ball":
             self._warn(f"the joint '{joint.name:.80}' of the type {kind[:40]!r} is left out: it closes a loop")
             return
         for point in points:
             place = tuple(parent @ (joint.pose @ point))
-            self.constraints.append(Constraint(ConstraintKind.CONNECT, joint.parent, joint.child, place, _SOLVER))
+            self.constraints.append(Constraint(ConstraintKind.CONNECT, joint.parent, joint.child, place))
 
     def _gear(self, joint: FlatJoint) -> None:
         """Couple the joints that move the two links of a gearbox."""
@@ -208,7 +206,7 @@ class JointTree:
             self._warn(f"the joint '{joint.name:.80}' is left out: {error}")
             return
         data = (0.0, -ratio, 0.0, 0.0, 0.0)
-        self.constraints.append(Constraint(ConstraintKind.JOINT, other.name, one.name, data, _SOLVER))
+        self.constraints.append(Constraint(ConstraintKind.JOINT, other.name, one.name, data))
 
     def settle_mimics(self) -> None:
         """See `morse.assets.urdf.structure.settle_mimics`."""

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import det, eigh, matmul
+from morse.physics.model.couplings import stiff
 from morse.physics.model.inertia import mass_of, moved_inertia
 from morse.physics.model.layout import Motion
 from morse.physics.model.loads import Loads, root_of
@@ -330,7 +331,7 @@ class Articulated:
         # both are at their initial values when the constraint is fulfilled
         data[1] = entry.bone.factor
         equality.data = data
-        equality.solref = [2.0 * float(self._spec.option.timestep), 1.0]
+        equality.solref, equality.solimp = stiff(float(self._spec.option.timestep))
 
     def _keep_apart(self, root: Frame) -> None:
         """Disable collisions between links of one robot, unless the file enables them."""
