@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import det, eigh, matmul
-from morse.physics.model.couplings import stiff
 from morse.physics.model.inertia import mass_of, moved_inertia
 from morse.physics.model.layout import Motion
 from morse.physics.model.loads import Loads, root_of
 from morse.physics.model.motors import Motor
+from morse.physics.model.restitution import stiff
 from morse.physics.poses.poses import as_array, relative_pose
 from morse.scene import Articulation, JointDynamics, JointKind, controls_of
 from morse.scene.bone_frames import BonePose, start_frames, start_value

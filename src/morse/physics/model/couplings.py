@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul
+from morse.physics.model.restitution import stiff
 from morse.physics.poses.poses import relative_pose
 from morse.scene import is_dynamic
 from morse.scene.couplings import ConstraintKind
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from morse.physics.model.layout import Frame
     from morse.physics.model.slot import Slot
     from morse.scene import Node
-    from morse.scene.couplings import Constraint, Floats
+    from morse.scene.couplings import Constraint
 
 _EQUALITIES = {
     ConstraintKind.CONNECT: mujoco.mjtEq.mjEQ_CONNECT,
@@ -34,20 +35,6 @@ _OBJECTS = {
     ConstraintKind.WELD: mujoco.mjtObj.mjOBJ_BODY,
     ConstraintKind.JOINT: mujoco.mjtObj.mjOBJ_JOINT,
 }
-
-
-#: share of the acceleration of a constraint that the engine achieves: with the rest, 0.01 %, it remains solvable where
-#: several constraints hold the same
-_ACHIEVED = 0.9999
-
-
-def stiff(step: float) -> tuple[Floats, Floats]:
-    """Return ``solref`` and ``solimp`` of a constraint that holds as a joint does.
-
-    Args:
-        step: of the engine, s.
-    """
-    return (2.0 * step, 1.0), (_ACHIEVED, _ACHIEVED, 0.001, 0.5, 2.0)
 
 
 @dataclass(slots=True)
