@@ -98,6 +98,7 @@ class CouplingBuilder:
                 data[6:10] = _quaternion(matmul(matmul(one.rotation, _matrix(data[6:10])), other.rotation.T))
         else:
             names = [f"{armature.name}/{name}" if name else "" for name in names]
+        solref: Sequence[float]
         solref, solimp = stiff(float(self._spec.option.timestep))
         if constraint.solver is not None:
             solref, solimp = constraint.solver[:2], constraint.solver[2:]
