@@ -19,7 +19,9 @@ import pytest
 from test_abuse_lines import garbage
 from test_abuse_other_ports import _free_port, harass
 from victims import SCENE, Victim
-from wire import HZ, Footprint, Line, Witness, drained, eventually
+from wire import HZ, Footprint, Line, Witness, drained
+
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -205,7 +207,7 @@ def at_full_speed(start: Start, clients: int, streams: int, seconds: float) -> d
     footprint = Footprint(process.pid)
     quiet = footprint.descriptors
     read_all(ports, clients, min(seconds, 10.0))  # memory grows to its maximum
-    eventually(lambda: footprint.descriptors == quiet)
+    wait_until(lambda: footprint.descriptors == quiet)
     before, threads = footprint.memory, footprint.threads
     begin = services.call("time", "now")
     size = read_all(ports, clients, seconds)
@@ -216,7 +218,7 @@ def at_full_speed(start: Start, clients: int, streams: int, seconds: float) -> d
         "growth of memory, MB": round((footprint.memory - before) / 1e6, 1),
     }
     assert figures["growth of memory, MB"] <= 20.0
-    eventually(lambda: footprint.descriptors == quiet)
+    wait_until(lambda: footprint.descriptors == quiet)
     assert footprint.threads <= threads
     assert process.watch.error is None
     process.stop()

@@ -165,11 +165,3 @@ def drained(line: Line, seconds: float = 30.0) -> bytes:
         while data := line.socket.recv(1 << 20):
             received += data
     return received
-
-
-def eventually(condition: Callable[[], object], seconds: float = 60.0) -> None:
-    """Wait until a condition holds."""
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline, "still waiting"
-        time.sleep(0.02)

@@ -7,15 +7,16 @@ import contextlib
 import socket
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
 from morse.core.clients.network import Network
 from morse.wire.listener import listen, port_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
 
 @pytest.fixture
@@ -23,13 +24,6 @@ def network() -> Iterator[Network]:
     made = Network()
     yield made
     made.stop()
-
-
-def wait_until(condition: Callable[[], Any], timeout: float = 60.0) -> None:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.001)
 
 
 def test_what_is_posted_runs_in_the_network_thread(network: Network) -> None:

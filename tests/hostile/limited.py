@@ -9,12 +9,13 @@ import socket
 import struct
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
 _MINUTE = 60.0
@@ -23,15 +24,6 @@ import resource, runpy
 resource.setrlimit(resource.RLIMIT_NOFILE, ({0}, {0}))
 runpy.run_module("morse", run_name="__main__", alter_sys=True)
 """
-
-
-def eventually(condition: Callable[[], Any], seconds: float = _MINUTE) -> Any:
-    """The first true value of ``condition()``."""
-    deadline = time.monotonic() + seconds
-    while not (value := condition()):
-        assert time.monotonic() < deadline, "still waiting"
-        time.sleep(0.02)
-    return value
 
 
 class Run:
@@ -55,7 +47,7 @@ class Run:
             assert self.process.poll() is None, self.log
             return re.search(pattern, self.log)
 
-        return int(eventually(find)[1])
+        return int(wait_until(find)[1])
 
 
 @contextmanager

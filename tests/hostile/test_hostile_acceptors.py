@@ -9,7 +9,7 @@ import socket
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from limited import connect, eventually, is_closed, reset, told_once
+from limited import connect, is_closed, reset, told_once
 
 from event_loops import run_apart
 from morse.core.clients.acceptors import Acceptor
@@ -20,6 +20,7 @@ from morse.middleware.socket import time_sync
 from morse.plugins.mavlink.links import open_link
 from morse.plugins.multinode.server import MultinodeServer
 from morse.wire.listener import listen, port_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -70,7 +71,7 @@ def test_a_flood_of_resets_keeps_nobody_waiting(caplog: pytest.LogCaptureFixture
         reset(sock)
     with socket.create_connection(("127.0.0.1", port_of(listener)), timeout=5.0) as serious:
         address = serious.getsockname()
-        eventually(lambda: acceptor.accept() or callers)
+        wait_until(lambda: acceptor.accept() or callers)
         assert [caller.socket.getpeername() for caller in callers] == [address]
     assert not caplog.text
     acceptor.close()
@@ -96,13 +97,13 @@ def test_a_silent_connection_leaves_for_a_new_one_that_finds_no_descriptor() -> 
     number = port_of(listener)
     acceptor.open(listener)
     with connect(number) as silent, connect(number) as late:
-        eventually(lambda: acceptor.accept() or len(callers) == 2)
+        wait_until(lambda: acceptor.accept() or len(callers) == 2)
         acceptor.close()
         exhausted = _Exhausted(fileno=listen("127.0.0.1", (0,)).detach())
         exhausted.callers = list(callers)
         acceptor.open(exhausted)
         with connect(port_of(exhausted)) as new:
-            eventually(lambda: acceptor.accept() or len(callers) == 3)
+            wait_until(lambda: acceptor.accept() or len(callers) == 3)
             assert callers[-1].socket.getpeername() == new.getsockname()
         assert sum(map(is_closed, (silent, late))) == 1
     acceptor.close()
@@ -201,7 +202,7 @@ def test_one_who_connects_to_the_sync_port_and_says_nothing_does_not_stop_time(
     sync = time_sync.TimeSync(Context(), listener)  # type: ignore[arg-type] # it uses no more
     network.call(sync.start())
     with connect(number):
-        eventually(lambda: sync._server.connected)
+        wait_until(lambda: sync._server.connected)
         sync.wait()  # returns
     assert "no longer holds up the simulation" in caplog.text
     network.call(sync.close())
@@ -213,14 +214,14 @@ def test_silent_connections_do_not_keep_an_autopilot_out(caplog: pytest.LogCaptu
     probe.close()
     link = open_link(f"tcpin:127.0.0.1:{number}")
     silent = [connect(number) for _ in range(16)]
-    eventually(lambda: list(link.receive()) or len(link._connections) == 16)  # type: ignore[attr-defined]
+    wait_until(lambda: list(link.receive()) or len(link._connections) == 16)  # type: ignore[attr-defined]
     with connect(number) as autopilot:
         autopilot.sendall(b"\xfd and so on")
-        (sender, data), *_ = eventually(lambda: list(link.receive()))
+        (sender, data), *_ = wait_until(lambda: list(link.receive()))
         assert data == b"\xfd and so on"
         link.understood(sender)
         more = [connect(number) for _ in range(40)]
-        eventually(lambda: list(link.receive()) or is_closed(more[20]))
+        wait_until(lambda: list(link.receive()) or is_closed(more[20]))
         link.send(b"\xfd a message")
         assert autopilot.recv(100) == b"\xfd a message"
     assert all(is_closed(sock) for sock in silent)

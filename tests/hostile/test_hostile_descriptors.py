@@ -7,9 +7,11 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
-from limited import call, connect, eventually, is_closed, limited_run, reset, told_once
+from limited import call, connect, is_closed, limited_run, reset, told_once
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect as websocket
+
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     import socket
@@ -89,7 +91,7 @@ def test_who_finds_no_descriptor_is_told_and_gets_in_when_others_leave(tmp_path:
         assert told_once(run.log, "live view: a client is refused"), run.log
         for sock in crowd:
             sock.close()
-        eventually(lambda: call(services).startswith(b"1 SUCCESS"))
+        wait_until(lambda: call(services).startswith(b"1 SUCCESS"))
         for sock in refusals:
             sock.close()
 
@@ -127,7 +129,7 @@ class Hog(Actuator):
     ).replace("fastmode=True", "fastmode=False")
     with limited_run(scene, tmp_path, 128, *_VIEWED, PYTHONPATH=str(tmp_path / "src")) as run:
         services = run.port(_SERVICES)
-        eventually(lambda: call(services).startswith(b"1 SUCCESS"))
+        wait_until(lambda: call(services).startswith(b"1 SUCCESS"))
     assert len(run.log.splitlines()) < 100, run.log
 
 
@@ -136,7 +138,7 @@ def test_silent_connections_give_way_one_by_one(tmp_path: Path, port: str) -> No
     with limited_run(_SCENE, tmp_path, 128, *_VIEWED) as run:
         number = run.port(port)
         crowd: list[socket.socket] = [connect(number) for _ in range(150)]
-        ended = eventually(lambda: [sock for sock in crowd if is_closed(sock)])
+        ended = wait_until(lambda: [sock for sock in crowd if is_closed(sock)])
         assert is_closed(crowd[0])  # the oldest has left
         assert not is_closed(crowd[-1])
         assert len(ended) < len(crowd)

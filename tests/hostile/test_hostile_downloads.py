@@ -7,10 +7,11 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import pytest
-from limited import connect, eventually, reset
+from limited import connect, reset
 
 from morse.core.clients.network import Network
 from morse.viewer.server import ViewServer
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,28 +66,28 @@ def test_files_that_clients_do_not_read_take_no_memory(files: Files) -> None:
     with ExitStack() as stack:
         for _ in range(30):
             stack.enter_context(files.ask())
-        eventually(lambda: sum(size > 0 for size in files.unsent()) == 30)
+        wait_until(lambda: sum(size > 0 for size in files.unsent()) == 30)
         assert max(files.unsent()) <= MOST
         assert read(stack.enter_context(files.ask())) == CONTENT
 
 
 def test_a_slow_client_gets_the_whole_file(files: Files) -> None:
     with files.ask() as slow:
-        eventually(lambda: any(files.unsent()))
+        wait_until(lambda: any(files.unsent()))
         assert read(slow) == CONTENT
 
 
 def test_a_client_that_ends_its_side_gets_the_whole_file(files: Files) -> None:
     with files.ask() as sock:
-        eventually(lambda: any(files.unsent()))
+        wait_until(lambda: any(files.unsent()))
         sock.shutdown(socket.SHUT_WR)
         assert read(sock) == CONTENT
-    eventually(lambda: not files.unsent())
+    wait_until(lambda: not files.unsent())
 
 
 def test_clients_that_leave_in_the_middle_of_a_file_are_forgotten(files: Files) -> None:
     leaving = [files.ask() for _ in range(10)]
-    eventually(lambda: sum(size > 0 for size in files.unsent()) == 10)
+    wait_until(lambda: sum(size > 0 for size in files.unsent()) == 10)
     for sock in leaving:
         reset(sock)
-    eventually(lambda: not files.unsent())
+    wait_until(lambda: not files.unsent())

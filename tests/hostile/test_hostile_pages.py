@@ -7,11 +7,12 @@ import socket
 from typing import TYPE_CHECKING
 
 import pytest
-from limited import connect, eventually
+from limited import connect
 
 from morse.core.clients.network import Network
 from morse.viewer.protocol import VERSION
 from morse.viewer.server import ViewServer
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,12 +59,12 @@ def test_pages_that_leave_after_a_wrong_message_are_forgotten(view: View, last: 
         with view.page(HELLO, last, *[ALIVE] * 200) as sock:
             sock.recv(1 << 16)
             sock.shutdown(socket.SHUT_WR)
-    eventually(lambda: not view.hub._acceptor.connections)
+    wait_until(lambda: not view.hub._acceptor.connections)
     assert not view.hub._pages
 
 
 def test_pages_that_stay_after_a_wrong_message_give_way(view: View) -> None:
     with view.page(HELLO, NONSENSE):
-        eventually(lambda: view.hub._numbers == 1 and not view.hub._pages)
+        wait_until(lambda: view.hub._numbers == 1 and not view.hub._pages)
         (place,) = view.hub._acceptor.connections
-        eventually(lambda: not place.keeps_place)
+        wait_until(lambda: not place.keeps_place)

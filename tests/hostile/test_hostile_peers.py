@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from limited import connect, eventually, is_closed
+from limited import connect, is_closed
 
 import morse
 from effort import examples
@@ -34,6 +34,7 @@ from morse.plugins.multinode.server import MultinodeServer
 from morse.plugins.yarp.names import Address, NameServer, is_alive
 from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen, port_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -123,7 +124,7 @@ def test_addresses_of_a_name_server_that_are_none_do_not_end_the_registration(pl
             Environment("empty", fastmode=True).configure_stream_manager("yarp", port=names.port)
 
         with morse.load(scene, sockets=True) as simulation:
-            eventually(lambda: simulation.step() or "/morse/robot/pose/out" in known)
+            wait_until(lambda: simulation.step() or "/morse/robot/pose/out" in known)
 
 
 def test_no_machine_has_a_name_with_a_nul() -> None:
@@ -155,7 +156,7 @@ def test_a_connection_to_a_reader_ends_with_the_next_one_though_somebody_claims_
             end.sendall(b"YA\0\0\0\0RP")
             assert adding.result(MINUTE)[0] == 0
             ends.append(end)
-        eventually(lambda: is_closed(ends[0]))
+        wait_until(lambda: is_closed(ends[0]))
     network.call(port.close())
     for one in (*ends, reader):
         one.close()
@@ -227,11 +228,11 @@ def test_strangers_do_not_displace_a_silent_peer_that_speaks_mavlink() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as pilot:
         pilot.settimeout(MINUTE)
         pilot.sendto(b"\xfd", address)
-        ((sender, _),) = eventually(lambda: list(link.receive()))
+        ((sender, _),) = wait_until(lambda: list(link.receive()))
         link.understood(sender)
         for stranger in strangers:
             stranger.sendto(b"x", address)
-            eventually(lambda: list(link.receive()))
+            wait_until(lambda: list(link.receive()))
         link.send(b"telemetry")
         assert pilot.recv(100) == b"telemetry"
     link.close()
@@ -245,15 +246,15 @@ def test_one_message_does_not_keep_a_place_for_ever(monkeypatch: pytest.MonkeyPa
     _, number = _free_port(socket.SOCK_STREAM)
     link: Any = open_link(f"tcpin:127.0.0.1:{number}")
     former = [connect(number) for _ in range(16)]
-    eventually(lambda: list(link.receive()) or len(link._connections) == 16)
+    wait_until(lambda: list(link.receive()) or len(link._connections) == 16)
     for one in list(link._connections):
         link.understood(one)
     with connect(number) as late:
-        eventually(lambda: list(link.receive()) or is_closed(late))
+        wait_until(lambda: list(link.receive()) or is_closed(late))
     now[0] = MINUTE
     with connect(number) as autopilot:
         autopilot.sendall(b"\xfd and so on")
-        ((_, data),) = eventually(lambda: list(link.receive()))
+        ((_, data),) = wait_until(lambda: list(link.receive()))
         assert data == b"\xfd and so on"
     link.close()
     for sock in former:
@@ -321,7 +322,7 @@ def test_senders_of_messages_take_turns(monkeypatch: pytest.MonkeyPatch) -> None
                         kinds.append(int.from_bytes(data[7:10], "little"))
             return all(common.MAVLINK_MSG_ID_COMMAND_ACK in kinds for kinds in answers.values())
 
-        eventually(both_are_answered)
+        wait_until(both_are_answered)
         # an answer goes to all peers: not more than one to each of the two
         assert max(kinds.count(common.MAVLINK_MSG_ID_COMMAND_ACK) for kinds in answers.values()) <= 2
 
@@ -339,5 +340,5 @@ def test_the_node_with_most_robots_leaves_if_there_are_too_many(network: Network
         assert greedy.recv(100) == b"{}\n"
         node.sendall(json.dumps(["node", {f"robot{number}": pose for number in range(20)}]).encode() + b"\n")
         assert json.loads(lines.readline()) == {}
-        eventually(lambda: is_closed(greedy))
+        wait_until(lambda: is_closed(greedy))
     server.close()

@@ -14,7 +14,6 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from limited import eventually
 from websockets.server import ServerProtocol
 
 from event_loops import run_apart
@@ -30,6 +29,7 @@ from morse.rosmsgs.cdr import CdrError, encode
 from morse.rosmsgs.topics.stream import check_size, largest
 from morse.wire.connection import Connection
 from morse.wire.listener import listen, port_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -313,9 +313,9 @@ def test_lines_that_take_long_have_to_rest(network: Network) -> None:
     flood, sender = connection_of("flood")
     modest, other = connection_of("modest")
     sender.sendall(bytes(1 << 16))
-    eventually(lambda: heard["flood"] > 0)
+    wait_until(lambda: heard["flood"] > 0)
     other.sendall(b"line\n")
-    eventually(lambda: heard["modest"] == 5)
+    wait_until(lambda: heard["modest"] == 5)
     assert heard["flood"] < 1 << 16, "it rests for some minutes"
 
     async def end() -> None:

@@ -9,7 +9,6 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from limited import eventually
 from test_hostile_pages import ALIVE, HELLO, _frame
 from test_hostile_pages import View as Server
 
@@ -24,6 +23,7 @@ from morse.viewer.page import MOST_WAITING, Page
 from morse.viewer.page_messages import ViewEvent
 from morse.viewer.protocol import page_message_types
 from morse.viewer.view_messages import Answer, Models, PropertyValue, Refused
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     import socket
@@ -57,7 +57,7 @@ class Desk:
         """Send requests, and run until all of them were read."""
         self.events += events
         self.simulation.step()
-        eventually(lambda: self.simulation.step() or not self.events)
+        wait_until(lambda: self.simulation.step() or not self.events)
 
     def lives(self) -> bool:
         """Whether the view is an observer, and answers."""
@@ -245,7 +245,7 @@ class MyRobot(ATRV):
 
 
 def _messages(catalog: Catalog, sent: list[Any], kind: Callable[[Any], bool]) -> list[Any]:
-    eventually(lambda: catalog.update() or any(map(kind, sent)))
+    wait_until(lambda: catalog.update() or any(map(kind, sent)))
     return [one for one in sent if kind(one)]
 
 
@@ -258,7 +258,7 @@ def test_what_a_project_prints_is_no_message(tmp_path: Path, caplog: pytest.LogC
         catalog.open()
         (models,) = _messages(catalog, sent, lambda one: isinstance(one, Models))
         assert "my_sim.builder.robots:MyRobot" in {model.kind for model in models.models}
-        eventually(lambda: "a child" in caplog.text)
+        wait_until(lambda: "a child" in caplog.text)
     finally:
         catalog.close()
     assert "raw" in caplog.text
@@ -285,14 +285,14 @@ def test_a_page_that_the_server_cannot_process_is_named_and_others_stay(
     server = Server()
     try:
         good = server.page(HELLO)
-        eventually(lambda: server.hub._numbers == 1)
+        wait_until(lambda: server.hub._numbers == 1)
         monkeypatch.setattr(server.hub, "_receive", _fail)
         with server.page(HELLO, ALIVE):
-            eventually(lambda: "page 2 is disconnected" in caplog.text)
-        eventually(lambda: list(server.hub._pages) == [1])
+            wait_until(lambda: "page 2 is disconnected" in caplog.text)
+        wait_until(lambda: list(server.hub._pages) == [1])
         monkeypatch.undo()
         with server.page(HELLO):
-            eventually(lambda: len(server.hub._pages) == 2)
+            wait_until(lambda: len(server.hub._pages) == 2)
         good.close()
     finally:
         server.server.stop()
@@ -318,10 +318,10 @@ def test_pages_hear_nothing_of_robots_that_clients_have_deleted(desk: Desk, monk
         desk.simulation.step(3)
         desk.simulation.context.robots[name].active = False
         desk.simulation.step(3)
-        eventually(partial(hub._lasting.__contains__, ("Activity", name)))
+        wait_until(partial(hub._lasting.__contains__, ("Activity", name)))
         desk.simulation.delete(name)
         desk.simulation.step(2)
-        eventually(partial(_is_forgotten, hub, name))
+        wait_until(partial(_is_forgotten, hub, name))
         kept.append(len(hub._lasting))
     hub._pages.clear()
     assert kept == [kept[0]] * 6
@@ -369,7 +369,7 @@ def test_pages_that_say_hello_together_are_limited(monkeypatch: pytest.MonkeyPat
     server = Server()
     try:
         pages = [server.page() for _ in range(8)]  # all are let in, because none has said hello
-        eventually(lambda: len(server.hub._acceptor.connections) == 8)
+        wait_until(lambda: len(server.hub._acceptor.connections) == 8)
         for page in pages:
             page.sendall(_frame(HELLO))
         answers = [_answer(page) for page in pages]

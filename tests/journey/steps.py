@@ -21,17 +21,6 @@ def block(name: str) -> str:
     return (BLOCKS / name).read_text()
 
 
-def wait_for(condition, what: str, limit: float = 60.0):
-    """The first true value of ``condition()``; fails after ``limit`` seconds."""
-    end = time.monotonic() + limit
-    while True:
-        value = condition()
-        if value:
-            return value
-        assert time.monotonic() < end, f"waited {limit} s for {what}"
-        time.sleep(0.02)
-
-
 class Running:
     """A simulation that was started with ``morse run``."""
 

@@ -10,10 +10,11 @@ from pathlib import Path
 import pexpect
 import pytest
 from eyes_in_pixels import eyes
-from steps import block, wait_for
+from steps import block
 
 import morse
 import pymorse
+from tests.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.blender]
 
@@ -48,7 +49,7 @@ def stands_still(simu):
         after = simu.robot.pose.get()
         return math.hypot(after["x"] - before["x"], after["y"] - before["y"]) < 0.02 and after
 
-    return wait_for(still, "the robot to stand still")
+    return wait_until(still, "the robot to stand still")
 
 
 def press(terminal, keys, prompt):
@@ -67,20 +68,20 @@ def test_chapter_two_create_and_drive_morsy(person, page):
     with pymorse.Morse() as simu:
         start = simu.robot.pose.get()
         assert (start["x"], start["y"]) == pytest.approx((1.0, 0.0), abs=1e-3)
-        wait_for(lambda: page.evaluate(SHOWN), "the world in the page")
+        wait_until(lambda: page.evaluate(SHOWN), "the world in the page")
         way = []
         simu.robot.pose.subscribe(way.append)
         page.keyboard.down("ArrowUp")
-        before = wait_for(lambda: next((p for p in way if p["x"] < -7.0), None), "Morsy to reach the board")
+        before = wait_until(lambda: next((p for p in way if p["x"] < -7.0), None), "Morsy to reach the board")
         assert math.atan2(before["y"], before["x"] - 1.0) == pytest.approx(3.5 - 2 * math.pi, abs=0.1)
-        wait_for(lambda: simu.robot.pose.get()["x"] < -8.2, "Morsy to touch the board")
+        wait_until(lambda: simu.robot.pose.get()["x"] < -8.2, "Morsy to touch the board")
         stopped = stands_still(simu)
         # the board begins at x = -9; Morsy (0.79 m x 1.12 m) touches it with a corner, whichever way it was turned
         reach = 0.393 * abs(math.cos(stopped["yaw"])) + 0.558 * abs(math.sin(stopped["yaw"]))
         assert stopped["x"] - reach == pytest.approx(-9.0, abs=0.05)
         page.keyboard.up("ArrowUp")
         page.keyboard.down("ArrowDown")
-        wait_for(lambda: simu.robot.pose.get()["x"] > stopped["x"] + 0.5, "Morsy to drive back")
+        wait_until(lambda: simu.robot.pose.get()["x"] > stopped["x"] + 0.5, "Morsy to drive back")
         page.keyboard.up("ArrowDown")
         stands_still(simu)  # as soon as the page has said so
     simulation.stop()
@@ -136,9 +137,9 @@ def test_chapter_three_drive_from_a_program(person):
             return [(end["x"] - start["x"]) / seconds, (end["y"] - start["y"]) / seconds, turn / seconds]
 
         # four times 0.1 m/s forward, along X; the client reads its keys when it gets around to it
-        wait_for(lambda: speeds() == pytest.approx([0.4, 0.0, 0.0], abs=0.05), "0.4 m/s")
+        wait_until(lambda: speeds() == pytest.approx([0.4, 0.0, 0.0], abs=0.05), "0.4 m/s")
         press(terminal, "ssss" + "aaaaa", "WASD?")
-        wait_for(lambda: speeds() == pytest.approx([0.0, 0.0, 0.5], abs=0.04), "0.5 rad/s on the spot")
+        wait_until(lambda: speeds() == pytest.approx([0.0, 0.0, 0.5], abs=0.04), "0.5 rad/s on the spot")
     terminal.sendintr()
     terminal.expect(pexpect.EOF)
     terminal.close()
@@ -158,7 +159,7 @@ def test_chapter_three_read_the_pose(person):
         terminal.expect(r"The Ranger is currently at \{[^}]*'x': (-?[\d.]+)")
         return float(terminal.match.group(1)) > first + 0.05
 
-    wait_for(moved, "the printed position to change")
+    wait_until(moved, "the printed position to change")
     terminal.sendintr()
     terminal.expect(pexpect.EOF)
     terminal.close()
@@ -204,16 +205,16 @@ def test_chapter_four_the_eyes_move(person, page, tmp_path):
     (person.project / "default.py").write_text(block("default.py") + FACING_THE_CAMERA)
     simulation = person.runs("--view-port", "0", "ranger_sim")
     page.goto(simulation.url)
-    wait_for(lambda: page.evaluate(SHOWN), "the world in the page")
+    wait_until(lambda: page.evaluate(SHOWN), "the world in the page")
     with pymorse.Morse() as simu:
         # the defaults of the actuator
-        wait_for(lambda: abs(angle_of(simu, "left_eye") - 0.1) < 1e-3, "the left eye")
-        wait_for(lambda: abs(angle_of(simu, "right_eye") + 0.1) < 1e-3, "the right eye")
-        before = wait_for(lambda: look(page, tmp_path / "before.png"), "two eyes in the picture", 60)
+        wait_until(lambda: abs(angle_of(simu, "left_eye") - 0.1) < 1e-3, "the left eye")
+        wait_until(lambda: abs(angle_of(simu, "right_eye") + 0.1) < 1e-3, "the right eye")
+        before = wait_until(lambda: look(page, tmp_path / "before.png"), "two eyes in the picture", 60)
         terminal = client(person, "keyboard_third.py")
         press(terminal, "r" * 15 + "t" * 8, "WASD (eyes:RFTG)?")
-        wait_for(lambda: abs(angle_of(simu, "left_eye") - 1.5) < 1e-3, "the left eye to turn")
-        wait_for(lambda: abs(angle_of(simu, "right_eye") - 0.8) < 1e-3, "the right eye to turn")
+        wait_until(lambda: abs(angle_of(simu, "left_eye") - 1.5) < 1e-3, "the left eye to turn")
+        wait_until(lambda: abs(angle_of(simu, "right_eye") - 0.8) < 1e-3, "the right eye to turn")
         # from the front +Y is to the right: a turn about +X takes a pupil from above to the left
         # the page may be some frames behind the simulation
         wanted = {1: 1.5 - 0.1, 0: 0.8 + 0.1}
@@ -222,7 +223,7 @@ def test_chapter_four_the_eyes_move(person, page, tmp_path):
             seen = look(page, tmp_path / "after.png")
             return seen and all(abs(turn_of(seen[i]) - turn_of(before[i]) - wanted[i]) < 0.25 for i in wanted)
 
-        wait_for(turned, "the pupils to turn by 1.4 and 0.9 rad in the picture", 60)
+        wait_until(turned, "the pupils to turn by 1.4 and 0.9 rad in the picture", 60)
     terminal.sendintr()
     terminal.expect(pexpect.EOF)
     terminal.close()

@@ -22,6 +22,7 @@ from morse.cli.sweep import ProgressLine
 from morse.many import Study, Table, choice, loguniform, normal, uniform
 from morse.many.executors import pack_size
 from morse.many.ledger import read_rows
+from tests.waiting import wait_until
 
 SCENE = """
 import os, signal, pathlib
@@ -399,7 +400,7 @@ def test_an_interruption_of_a_sweep_loses_nothing_that_is_done(tmp_path, pids):
     hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
     assert {row["run"]: row["hash"] for row in table} == hashes
     for pid in [int(file.name) for file in pids.iterdir() if int(file.name) != os.getpid()]:
-        wait_for(lambda: not alive(pid), "end of a worker")  # noqa: B023
+        wait_until(lambda: not alive(pid), "end of a worker")  # noqa: B023
 
 
 @pytest.mark.parametrize("workers", [0, 1])
@@ -450,13 +451,6 @@ def alive(pid):
     return not state.exists() or state.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
-def wait_for(condition, what):
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end, f"no {what} within a minute"
-        time.sleep(0.02)
-
-
 def test_a_killed_driver_loses_nothing_and_leaves_no_orphans(tmp_path, pids):
     study = study_of(tmp_path)
     command = [
@@ -473,13 +467,13 @@ def test_a_killed_driver_loses_nothing_and_leaves_no_orphans(tmp_path, pids):
     driver = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     rows = tmp_path / "r" / "rows.jsonl"
     try:
-        wait_for(lambda: rows.exists() and rows.read_bytes().count(b"\n") >= 3, "third row")
+        wait_until(lambda: rows.exists() and rows.read_bytes().count(b"\n") >= 3, "third row")
     finally:
         driver.send_signal(signal.SIGKILL)
         driver.wait()
     workers = [int(file.name) for file in pids.iterdir()]
     assert workers
-    wait_for(lambda: not any(map(alive, workers)), "end of the workers")
+    wait_until(lambda: not any(map(alive, workers)), "end of the workers")
     with open(rows, "ab") as file:
         file.write(b'{"run": "half')  # as if it had died while it wrote
     before = {row["run"]: row for row in map(json.loads, rows.read_bytes().splitlines()[:3])}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import socket
-import time
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -23,22 +22,13 @@ from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, noninterruptible, service
 from morse.mathutils import Quaternion, Vector
 from morse.scene import StreamDeclaration, TimeStrategies
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 PUBLISHER = "morse.middleware.socket_datastream.SocketPublisher"
 READER = "morse.middleware.socket_datastream.SocketReader"
-
-
-def wait_until(condition: Callable[[], Any], timeout: float = 60.0) -> Any:
-    """The first true value of ``condition()``; fails after ``timeout`` seconds."""
-    deadline = time.monotonic() + timeout
-    while not (result := condition()):
-        if time.monotonic() > deadline:
-            raise AssertionError(f"still waiting after {timeout} s")
-        time.sleep(0.001)
-    return result
 
 
 class Body(dict):
@@ -177,7 +167,7 @@ class Bench:
             self.tick()
             return condition()
 
-        return wait_until(ticked, timeout)
+        return wait_until(ticked, limit=timeout)
 
     def port_of(self, name: str) -> int:
         (done, (outcome, port)) = self.requests.on_incoming_request("simulation", "get_stream_port", [name])

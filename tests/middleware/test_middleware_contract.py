@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import pytest
-from socket_bench import Bench, Body, wait_until
+from socket_bench import Bench, Body
 
 from morse.core.actuator import Actuator
 from morse.core.datastream import AbstractDatastream, DatastreamManager
@@ -19,6 +19,7 @@ from morse.core.sensor import Sensor
 from morse.core.streams.kind_stream import KindStream
 from morse.core.validation import OptionError
 from morse.scene import StreamDeclaration
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,10 +11,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher
-from socket_bench import Bench, Peer, wait_until
+from socket_bench import Bench, Peer
 
 from morse.middleware.socket import frame_client
 from pymorse import frames
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from socket_bench import Bench, Peer, wait_until
 
 from morse.core import status
 from morse.core.clients.acceptors import Descriptors
@@ -26,9 +25,12 @@ from morse.wire import limits, lines
 from morse.wire.encoding import from_json, to_json
 from morse.wire.inbox import Inbox
 from morse.wire.limits import Budget, limits_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from socket_bench import Bench, Peer
 
 
 class Caller:

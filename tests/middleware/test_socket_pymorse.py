@@ -6,10 +6,11 @@ import threading
 from typing import TYPE_CHECKING
 
 import pytest
-from socket_bench import Bench, wait_until
+from socket_bench import Bench
 
 from morse.core import status
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

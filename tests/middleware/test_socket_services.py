@@ -10,7 +10,7 @@ import socket
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from socket_bench import Bench, Peer, wait_until
+from socket_bench import Bench, Peer
 
 from effort import examples
 from morse.core import status
@@ -18,6 +18,7 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import service_client
 from morse.middleware.socket.request_manager import SocketRequestManager
 from morse.wire.limits import MAX_CLIENTS
+from tests.waiting import wait_until
 
 
 def test_the_transcript_of_1_4(bench: Bench, client: Peer) -> None:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from socket_bench import Bench, Peer, wait_until
+from socket_bench import Bench, Peer
 
 from morse.wire.lines import FirstLine
 from morse.wire.listener import listen, port_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

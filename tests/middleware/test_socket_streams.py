@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher, SocketReader
-from socket_bench import Bench, Body, Motion, Peer, Thermometer, wait_until
+from socket_bench import Bench, Body, Motion, Peer, Thermometer
 
 from effort import examples
 from morse.core.clients.complaints import Complaints
@@ -25,6 +25,7 @@ from morse.scene import StreamDeclaration
 from morse.wire import server as line_server
 from morse.wire.inbox import Inbox
 from morse.wire.listener import listen, port_of
+from tests.waiting import wait_until
 
 
 def test_a_sensor_sends_a_line_at_each_action(bench: Bench) -> None:

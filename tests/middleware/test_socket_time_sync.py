@@ -6,11 +6,12 @@ import threading
 from typing import TYPE_CHECKING
 
 import pytest
-from socket_bench import Bench, Peer, wait_until
+from socket_bench import Bench, Peer
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import datastream
 from morse.wire.listener import listen, port_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

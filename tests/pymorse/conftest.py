@@ -4,7 +4,9 @@ import threading
 from typing import TYPE_CHECKING
 
 import pytest
-from scripted_simulation import ScriptedSimulation, wait_until
+from scripted_simulation import ScriptedSimulation
+
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

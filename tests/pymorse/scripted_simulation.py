@@ -6,7 +6,6 @@ import contextlib
 import json
 import socket
 import threading
-import time
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,16 +13,6 @@ if TYPE_CHECKING:
 
 REQUEST_MANAGER = "morse.middleware.socket_request_manager.SocketRequestManager"
 STREAM_MANAGER = "morse.middleware.socket_datastream.SocketDatastreamManager"
-
-
-def wait_until(condition: Callable[[], Any], timeout: float = 60.0) -> Any:
-    """The first true value of ``condition()``; fails after ``timeout`` seconds."""
-    deadline = time.monotonic() + timeout
-    while not (result := condition()):
-        if time.monotonic() > deadline:
-            raise AssertionError(f"still waiting after {timeout} s")
-        time.sleep(0.002)
-    return result
 
 
 class Endpoint:

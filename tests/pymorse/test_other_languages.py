@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from scripted_simulation import wait_until
 from test_pymorse_aio import Running, running
+
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +34,7 @@ def drive(words: Sequence[str | Path], running: Running) -> None:
     assert 0.5 <= float(found[1]) < 1.5
     speed = running.sim.context.components["robot.motion"].local_data
     # the last command is taken in a tick after the program has ended
-    wait_until(lambda: (speed["v"], speed["w"]) == (0.0, 0.0), LIMIT)
+    wait_until(lambda: (speed["v"], speed["w"]) == (0.0, 0.0), limit=LIMIT)
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")

@@ -12,11 +12,11 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from scripted_simulation import wait_until
 
 import morse
 from event_loops import run_apart
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -187,21 +187,21 @@ def test_a_connection_comes_back(
     seen: list[Any] = []
     with caplog.at_level(logging.WARNING, "pymorse"), Morse(port=first.port, binary=binary, reconnect=True) as simu:
         simu.robot.pose.subscribe(seen.append)
-        wait_until(lambda: bool(seen), LIMIT)
+        wait_until(lambda: bool(seen), limit=LIMIT)
         first.close()
-        wait_until(lambda: not simu.is_up(), LIMIT)
+        wait_until(lambda: not simu.is_up(), limit=LIMIT)
         with pytest.raises(ConnectionError):
             simu.time()
         second = Running(tmp_path / "scene.py", monkeypatch, first.port)
         try:
-            wait_until(simu.is_up, LIMIT)
-            wait_until(lambda: "again, after" in caplog.text, LIMIT)
+            wait_until(simu.is_up, limit=LIMIT)
+            wait_until(lambda: "again, after" in caplog.text, limit=LIMIT)
             count = len(seen)
-            wait_until(lambda: len(seen) > count, LIMIT)
+            wait_until(lambda: len(seen) > count, limit=LIMIT)
             assert simu.time() >= 0.0
             assert simu.robot.pose.get(LIMIT) is not None
             simu.robot.motion.publish({"v": 1.0})
-            wait_until(lambda: simu.robot.pose.get(LIMIT)["x"] > 0.05, LIMIT)
+            wait_until(lambda: simu.robot.pose.get(LIMIT)["x"] > 0.05, limit=LIMIT)
         finally:
             second.close()
     assert "trying to connect again" in caplog.text

@@ -10,16 +10,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from scripted_simulation import ScriptedSimulation, wait_until
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW, Pose, Sick
 from pymorse import Morse
 from pymorse.binary import BinaryConnection
 from pymorse.poller import Poller
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from scripted_simulation import ScriptedSimulation
 
     from morse.simulation.simulation import Simulation
 

@@ -11,10 +11,11 @@ import threading
 from pathlib import Path
 
 import pytest
-from scripted_simulation import Endpoint, ScriptedSimulation, wait_until
+from scripted_simulation import Endpoint, ScriptedSimulation
 
 from pymorse import Morse, MorseFuture, MorseServicePreempted
 from pymorse import pymorse as module
+from tests.waiting import wait_until
 
 SOURCE = Path(__file__).parents[2] / "src"
 

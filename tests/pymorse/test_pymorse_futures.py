@@ -5,12 +5,14 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from scripted_simulation import ScriptedSimulation, wait_until
 
 from pymorse import Morse, MorseServiceFailed, MorseTimeoutError
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from scripted_simulation import ScriptedSimulation
 
 
 @pytest.fixture

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scripted_simulation import Endpoint, ScriptedSimulation, wait_until
+from scripted_simulation import Endpoint, ScriptedSimulation
 
 from pymorse import Morse, PollThread, Stream, StreamJSON
 from pymorse.channel import MAX_UNSENT
 from pymorse.stream import StreamB
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,10 +8,11 @@ import socket
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from watched import Project, until
+from watched import Project
 
 from morse.core.journal import EDIT
 from morse.core.state import StateError
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -94,7 +95,7 @@ def edited(run: Simulation, project: Project, **parts: Any) -> None:
     """Save the counter, and wait until the simulation has reloaded it."""
     before = run.context.components["robot.counter"]
     project.module("proj/sensors/counter.py", COUNTER.format(**{"by": 1, "more": "", **parts}))
-    until(run, lambda: run.context.components["robot.counter"] is not before)
+    step_until(run, lambda: run.context.components["robot.counter"] is not before)
 
 
 def refused(run: Simulation, caplog: pytest.LogCaptureFixture) -> str:
@@ -103,7 +104,7 @@ def refused(run: Simulation, caplog: pytest.LogCaptureFixture) -> str:
     def reasons() -> list[str]:
         return [record.getMessage() for record in caplog.records if record.levelname == "ERROR"]
 
-    until(run, reasons)
+    step_until(run, reasons)
     return "\n".join(reasons())
 
 
@@ -152,7 +153,7 @@ def test_a_client_stays_connected(run: Simulation, project: Project) -> None:
     _, (_, port) = manager.on_incoming_request("simulation", "get_stream_port", ["robot.counter"])
     with socket.create_connection(("127.0.0.1", port), timeout=60) as connection:
         lines = connection.makefile("rb")
-        until(run, lambda: select.select([connection], [], [], 0.0)[0])
+        step_until(run, lambda: select.select([connection], [], [], 0.0)[0])
         edited(run, project, by=1000)
         goal = run.robot.counter.data["count"] + 1000
         counts: list[int] = []
@@ -162,7 +163,7 @@ def test_a_client_stays_connected(run: Simulation, project: Project) -> None:
                 counts.append(json.loads(lines.readline())["count"])
             return bool(counts) and counts[-1] >= goal
 
-        until(run, read)
+        step_until(run, read)
         assert counts == sorted(counts)
 
 
@@ -182,7 +183,7 @@ def test_a_modifier_is_exchanged_too(run: Simulation, project: Project) -> None:
     component = run.context.components["robot.counter"]
     before = component.output_modifiers[0]
     project.module("proj/modifiers/double.py", DOUBLE.format(factor=100))
-    until(run, lambda: component.output_modifiers[0] is not before)
+    step_until(run, lambda: component.output_modifiers[0] is not before)
     run.step()
     data = run.robot.counter.data
     assert data["doubled"] == 100 * data["count"]
@@ -238,8 +239,8 @@ def test_a_component_that_failed_acts_again_once_it_is_mended(
     text = COUNTER.format(by=1, more="").replace("self.total += self._by", "self.total += self.nothing")
     before = run.context.components["robot.counter"]
     project.module("proj/sensors/counter.py", text)
-    until(run, lambda: run.context.components["robot.counter"] is not before)
-    until(run, lambda: not run.context.components["robot.counter"].active)
+    step_until(run, lambda: run.context.components["robot.counter"] is not before)
+    step_until(run, lambda: not run.context.components["robot.counter"].active)
     edited(run, project)
     assert run.context.components["robot.counter"].active
 

@@ -10,12 +10,13 @@ import time
 from typing import TYPE_CHECKING
 
 import pytest
-from watched import DATA, Project, until
+from watched import DATA, Project
 
 from morse.core.journal import EDIT
 from morse.physics.objects.removed_object import RemovedError
 from morse.scene import PhysicsType
 from morse.simulation.watching.watch import Watch
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,7 +59,7 @@ def shown(simulation: Simulation, name: str = "robot") -> set[str]:
 def saved(run: Simulation, project: Project, model: str) -> None:
     before = run.world.arrangement
     project.model("robots/mine.blend", DATA / model)
-    until(run, lambda: run.world.arrangement != before)
+    step_until(run, lambda: run.world.arrangement != before)
 
 
 def test_the_robot_gets_the_new_model_and_its_physics(run: Simulation, project: Project) -> None:
@@ -119,7 +120,7 @@ def test_what_was_not_touched_stays_the_same_node(run: Simulation, project: Proj
     messages: list[str] = []
     run.journal.sinks.append(lambda entry: messages.append(entry.kind))
     path = project.model("robots/mine.blend", DATA / "robots" / "morsy.blend")
-    until(run, lambda: EDIT in messages)
+    step_until(run, lambda: EDIT in messages)
     assert set(run.scene.nodes()) == nodes
     assert run.world.arrangement == 0
     assert path.exists()
@@ -166,10 +167,10 @@ def test_a_broken_or_missing_file_changes_nothing(
     if content is None:
         path.unlink()
         end = time.monotonic() + 1.0
-        until(run, lambda: time.monotonic() > end)
+        step_until(run, lambda: time.monotonic() > end)
     else:
         path.write_bytes(content)
-        until(run, lambda: [record for record in caplog.records if record.levelname == "ERROR"])
+        step_until(run, lambda: [record for record in caplog.records if record.levelname == "ERROR"])
         assert str(path) in caplog.text
     assert "morsy" in " ".join(shown(run)).lower()
     saved(run, project, "robots/atrv.blend")
@@ -188,8 +189,8 @@ def test_a_file_written_piece_by_piece_is_read_when_it_is_complete(
             file.write(content[begin : begin + len(content) // 4 + 1])
             file.flush()
             end = time.monotonic() + 0.3
-            until(run, lambda end=end: time.monotonic() > end)  # type: ignore[misc]
-    until(run, lambda: run.world.arrangement)
+            step_until(run, lambda end=end: time.monotonic() > end)  # type: ignore[misc]
+    step_until(run, lambda: run.world.arrangement)
     assert any("wheel" in name.lower() for name in shown(run))
     assert not [record for record in caplog.records if record.levelname == "ERROR"]
 
@@ -203,9 +204,9 @@ def test_a_thing_that_was_spawned_follows_its_file_and_takes_the_record_with_it(
     assert len(run.scene.models) == models + 1
     before = run.world.arrangement
     (watch,) = [observer for observer in run.observers if isinstance(observer, Watch)]
-    until(run, lambda: str(path) in watch._files._stamps)
+    step_until(run, lambda: str(path) in watch._files._stamps)
     project.model("props/box.blend", DATA / "props" / "objects.blend")
-    until(run, lambda: run.world.arrangement != before)
+    step_until(run, lambda: run.world.arrangement != before)
     assert shown(run, "box")
     run.delete("box")
     assert len(run.scene.models) == models
@@ -234,7 +235,7 @@ def test_an_environment_that_is_edited_in_blender(tmp_path: Path) -> None:
         )
         command = ["blender", "-b", "--factory-startup", "-noaudio", os.fspath(path), "--python-exit-code", "3"]
         subprocess.run([*command, "--python", os.fspath(script)], check=True, timeout=120, capture_output=True)
-        until(run, lambda: run.scene.find("Novelty"))
+        step_until(run, lambda: run.scene.find("Novelty"))
         assert run.scene.find(box) is None
         with pytest.raises(RemovedError):
             held.worldPosition  # noqa: B018

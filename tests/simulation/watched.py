@@ -5,15 +5,12 @@ from __future__ import annotations
 import os
 import shutil
 import textwrap
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import morse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from morse.simulation.simulation import Simulation
 
 DATA = Path(morse.__file__).parent / "data"
@@ -49,17 +46,3 @@ class Project:
         script = self.folder / "scene.py"
         script.write_text("from morse.builder import *\n" + textwrap.dedent(text), encoding="utf-8")
         return morse.load(script, **{"watch": True, **options})  # type: ignore[arg-type]
-
-
-def until(simulation: Simulation, condition: Callable[[], object]) -> None:
-    """Step until a condition holds.
-
-    Raises:
-        TimeoutError: the condition does not hold after `LIMIT`.
-    """
-    end = time.monotonic() + LIMIT
-    while not condition():
-        if time.monotonic() > end:
-            raise TimeoutError("nothing has happened")
-        simulation.step()
-        time.sleep(0.002)

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from playwright.sync_api import Error
 from shared_views import SharedScenes, SharedView
-from view_pages import until
 from view_simulation import CircleDriver
 from view_worlds import playground
 
 from morse.core.clients.network import Network
 from morse.viewer.server import ViewServer
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -180,7 +180,7 @@ def opening(browser: Browser, profile: BrowserContext) -> Iterator[Callable[...,
         page.on("dialog", lambda dialog: dialog.accept())  # a page that is left during a flight asks
         page.goto(url + ("&" if "?" in url else "?") + "quality=low")
         if wait:
-            until(
+            wait_until(
                 lambda: page.evaluate("!!(window.morse?.world.value && morse.stage.frames > 0)"), "a world on the page"
             )
         return page

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from view_pages import until
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -108,7 +108,7 @@ class SharedPage:
             page.close()
         begin()
         page = self.page = self._open(self._url, **self._size)
-        until(lambda: page.evaluate(self._ready), self._ready)
+        wait_until(lambda: page.evaluate(self._ready), self._ready)
         page.mouse.move(0, 0)
         self._stored = page.evaluate(STORED)
         page.evaluate(PUT_BACK, self._stored)
@@ -123,7 +123,7 @@ class SharedPage:
         page.evaluate(PUT_BACK, self._stored)
         begin()
         try:
-            until(lambda: page.evaluate(self._ready) and page.evaluate(LOOK) == self._look, limit=PATIENCE)
+            wait_until(lambda: page.evaluate(self._ready) and page.evaluate(LOOK) == self._look, limit=PATIENCE)
         except AssertionError:
             old, now = self._look.splitlines(), page.evaluate(LOOK).splitlines()
             traces = [line for line in (*old, *now) if (line in old) != (line in now)]

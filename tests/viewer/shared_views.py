@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from shared_page import SharedPage
-from view_pages import until
 from view_simulation import CircleDriver
 from view_worlds import playground
 
 from morse.scene import Scene
 from morse.viewer.hub import Wishes
 from morse.viewer.view_messages import Tree
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,15 +36,15 @@ class SharedView:
         """The simulation at its beginning, and its page; a new page if one more test has failed."""
         page = self._page.fresh(failures, self._begin)
         driver = self.driver
-        until(lambda: driver.server.wishes == Wishes(), "a page without wishes")
+        wait_until(lambda: driver.server.wishes == Wishes(), "a page without wishes")
         last = driver.tick + 1  # the page has received what was sent before it has received later poses
-        until(lambda: page.evaluate("morse.poses.value.tick") > last, "the first ticks")
+        wait_until(lambda: page.evaluate("morse.poses.value.tick") > last, "the first ticks")
         page.evaluate("morse.components.live.clear()")
         driver.events.clear()
         return driver, page
 
     def _begin(self) -> None:
-        until(lambda: not self.driver.server.held_keys(), "no key is held")
+        wait_until(lambda: not self.driver.server.held_keys(), "no key is held")
         self.driver.begin()
 
 
@@ -64,9 +64,9 @@ class SharedScenes:
         """The page, when it has drawn the scene."""
         page = self._page.page
         self._describe(scene, moving)
-        until(lambda: page.evaluate("morse.world.value.description.revision") == self.revision, "the world")
+        wait_until(lambda: page.evaluate("morse.world.value.description.revision") == self.revision, "the world")
         drawn = page.evaluate("(morse.stage.invalidate(), morse.stage.frames)")
-        until(lambda: page.evaluate("morse.stage.frames") > drawn, "a frame of the world")
+        wait_until(lambda: page.evaluate("morse.stage.frames") > drawn, "a frame of the world")
         return page
 
     def _begin(self) -> None:

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from view_pages import until
 
 from morse.viewer.view_messages import Model, Models, SceneChanges
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,7 +50,9 @@ def test_nothing_on_the_page_is_a_serious_barrier(
     server.send(SceneChanges(2, "atrv was added", ["robot.camera"], "scene.py"))
     server.send(Models([Model("ATRV", "ATRV", "robots"), Model("props/crates#crate", "crate", "crates")]))
     page = open_page(url, width=width, height=740, color_scheme=scheme)
-    until(lambda: page.evaluate("morse.components.all.value.length > 0 && !morse.panels.editor.element.hidden"), "all")
+    wait_until(
+        lambda: page.evaluate("morse.components.all.value.length > 0 && !morse.panels.editor.element.hidden"), "all"
+    )
     page.evaluate(AXE.read_text(encoding="utf-8"))
     found = {}
     for part, opening in PARTS.items():

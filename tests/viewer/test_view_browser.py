@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from PIL import Image as Picture
-from view_pages import until
 from view_worlds import box, mesh_node, playground
 
 from morse.scene import Material, Scene
 from morse.viewer.page_messages import Reset
 from morse.viewer.view_messages import Appearance, Listening, Pace
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -64,7 +64,7 @@ def test_a_red_box_is_where_the_camera_of_the_script_sees_it(scenes, place, came
     view.camera_location, view.camera_rotation, view.camera_focal_length = camera, turn, focal
     page = scenes.show(scene)
     page.evaluate("morse.stage.ground.mesh.visible = false; morse.stage.invalidate()")  # its X axis is red, too
-    until(lambda: reds(page).any(), "something red")
+    wait_until(lambda: reds(page).any(), "something red")
     mask = reds(page)
     page.evaluate("morse.stage.ground.mesh.visible = true")
     height, width = mask.shape
@@ -87,9 +87,9 @@ def test_hidden_things_are_not_seen_until_they_are_shown(served, open_page) -> N
     page = open_page(url)
     assert not reds(page).any()
     server.send(Appearance("box", visible=True))
-    until(lambda: reds(page).any())
+    wait_until(lambda: reds(page).any())
     server.send(Appearance("box", visible=True, color=(0.0, 1.0, 0.0, 1.0)))
-    until(lambda: not reds(page).any())
+    wait_until(lambda: not reds(page).any())
     shown = colors(page)
     assert ((shown[..., 1] > 90) & (shown[..., 1] > 2 * shown[..., 0])).any()
 
@@ -104,19 +104,19 @@ def test_many_alike_are_drawn_in_one_go_and_each_where_it_is(served, open_page) 
     scene.settings.view.camera_rotation = (0.0, 0.0, 0.0)
     server.set_scene(scene, [])
     page = open_page(url)
-    until(lambda: reds(page).any(), "something red")
+    wait_until(lambda: reds(page).any(), "something red")
     columns = reds(page).any(axis=0)
     assert np.count_nonzero(np.diff(columns.astype(int)) == 1) == 5
     before = page.evaluate("morse.stage.renderer.info.render.calls")
     server.send(Appearance("n2", visible=False))
-    until(lambda: np.count_nonzero(np.diff(reds(page).any(axis=0).astype(int)) == 1) == 4)
+    wait_until(lambda: np.count_nonzero(np.diff(reds(page).any(axis=0).astype(int)) == 1) == 4)
     assert before < 8
 
 
 def test_the_world_moves(shown) -> None:
     driver, page = shown
     seen = {tuple(page.evaluate("morse.world.value.find('robot0').frame.position.toArray()"))}
-    until(
+    wait_until(
         lambda: (
             seen.add(tuple(page.evaluate("morse.world.value.find('robot0').frame.position.toArray()"))) or len(seen) > 5
         )
@@ -135,62 +135,66 @@ def test_time_is_shown_and_controlled(shown) -> None:
     driver, page = shown
     driver.server.send(Pace("Best Effort", 2.5, "most time goes to robot0.camera: 31.0 ms a tick"))
     said = "2.5 s behind; most time goes to robot0.camera: 31.0 ms a tick"
-    until(lambda: page.locator(".late").inner_text() == said)
+    wait_until(lambda: page.locator(".late").inner_text() == said)
     driver.server.send(Pace("Best Effort", 3.5))
-    until(lambda: page.locator(".late").inner_text() == "3.5 s behind")
+    wait_until(lambda: page.locator(".late").inner_text() == "3.5 s behind")
     driver.server.send(Pace("Best Effort"))
-    until(lambda: not page.locator(".late").is_visible())
+    wait_until(lambda: not page.locator(".late").is_visible())
     page.get_by_role("button", name="Pause").click()
-    until(lambda: not driver.running)
-    until(lambda: page.locator(".factor").inner_text() == "paused")
+    wait_until(lambda: not driver.running)
+    wait_until(lambda: page.locator(".factor").inner_text() == "paused")
     tick = driver.tick
     page.get_by_role("button", name="One tick").click()
-    until(lambda: driver.tick == tick + 1)
+    wait_until(lambda: driver.tick == tick + 1)
     page.keyboard.press(".")
-    until(lambda: driver.tick == tick + 2)
+    wait_until(lambda: driver.tick == tick + 2)
     minutes, seconds = page.locator(".time").inner_text().split(":")
-    until(lambda: float(page.locator(".time").inner_text().split(":")[1]) == pytest.approx(driver.time % 60, abs=0.006))
+    wait_until(
+        lambda: float(page.locator(".time").inner_text().split(":")[1]) == pytest.approx(driver.time % 60, abs=0.006)
+    )
     assert int(minutes) == 0
     assert float(seconds) > 0
     page.get_by_role("button", name="Reset").click()
     page.get_by_role("button", name="cancel").click()
     page.keyboard.press("F11")
     page.get_by_role("dialog").get_by_role("button", name="reset").click()
-    until(lambda: driver.time == 0.0)
+    wait_until(lambda: driver.time == 0.0)
     assert len([event for event in driver.events if isinstance(event, Reset)]) == 1
     page.get_by_role("button", name="Play").click()
-    until(lambda: driver.running)
+    wait_until(lambda: driver.running)
     speed = page.get_by_label("speed")
     speed.select_option("×5")
-    until(lambda: driver.speed == 5.0)
+    wait_until(lambda: driver.speed == 5.0)
     # the page has to learn that another speed holds, also if it was never shown the one that it has requested
-    until(lambda: page.evaluate("morse.poses.value.speed") == 5.0)
+    wait_until(lambda: page.evaluate("morse.poses.value.speed") == 5.0)
     driver.shown = False
     speed.select_option("×10")
-    until(lambda: driver.speed == 10.0)
+    wait_until(lambda: driver.speed == 10.0)
     driver.speed, driver.shown = 5.0, True
-    until(lambda: speed.input_value() == "5")
+    wait_until(lambda: speed.input_value() == "5")
     speed.select_option("max")
-    until(lambda: driver.speed == math.inf)
-    until(lambda: page.locator(".factor").inner_text() != "paused")  # the key does the opposite of what the page knows
+    wait_until(lambda: driver.speed == math.inf)
+    wait_until(
+        lambda: page.locator(".factor").inner_text() != "paused"
+    )  # the key does the opposite of what the page knows
     page.keyboard.press("p")
-    until(lambda: not driver.running)
+    wait_until(lambda: not driver.running)
 
 
 def test_keys_drive_with_chords_and_release(shown) -> None:
     driver, page = shown
     page.keyboard.down("ArrowUp")
-    until(lambda: driver.keys[-1] == {"ArrowUp"})
-    until(lambda: driver.x > 0.2)
+    wait_until(lambda: driver.keys[-1] == {"ArrowUp"})
+    wait_until(lambda: driver.x > 0.2)
     page.keyboard.down("ArrowLeft")
-    until(lambda: driver.keys[-1] == {"ArrowUp", "ArrowLeft"})
+    wait_until(lambda: driver.keys[-1] == {"ArrowUp", "ArrowLeft"})
     page.keyboard.up("ArrowUp")
-    until(lambda: driver.keys[-1] == {"ArrowLeft"})
+    wait_until(lambda: driver.keys[-1] == {"ArrowLeft"})
     page.keyboard.up("ArrowLeft")
-    until(lambda: driver.keys[-1] == frozenset())
+    wait_until(lambda: driver.keys[-1] == frozenset())
     x = driver.x
     tick = driver.tick
-    until(lambda: driver.tick > tick + 10)
+    wait_until(lambda: driver.tick > tick + 10)
     assert driver.x == x
 
 
@@ -198,7 +202,7 @@ def test_a_held_key_stays_held_while_the_page_draws_slowly(shown) -> None:
     driver, page = shown
     page.set_viewport_size({"width": 1200, "height": 800})
     page.keyboard.down("ArrowUp")
-    until(lambda: driver.keys[-1] == {"ArrowUp"})
+    wait_until(lambda: driver.keys[-1] == {"ArrowUp"})
     count, tick = len(driver.keys), driver.tick
 
     def held_for_long() -> bool:
@@ -208,7 +212,7 @@ def test_a_held_key_stays_held_while_the_page_draws_slowly(shown) -> None:
             count, tick = len(driver.keys), driver.tick
         return driver.tick > tick + 150
 
-    until(held_for_long)
+    wait_until(held_for_long)
     page.keyboard.up("ArrowUp")
 
 
@@ -216,29 +220,29 @@ def test_keys_are_let_go_when_the_page_loses_the_focus_or_is_closed(running, ope
     driver, url = running
     page = open_page(url)
     page.keyboard.down("ArrowUp")
-    until(lambda: driver.keys[-1] == {"ArrowUp"})
+    wait_until(lambda: driver.keys[-1] == {"ArrowUp"})
     page.evaluate("dispatchEvent(new Event('blur'))")
-    until(lambda: driver.keys[-1] == frozenset())
+    wait_until(lambda: driver.keys[-1] == frozenset())
     page.keyboard.up("ArrowUp")
     page.keyboard.down("ArrowDown")
-    until(lambda: driver.keys[-1] == {"ArrowDown"})
+    wait_until(lambda: driver.keys[-1] == {"ArrowDown"})
     page.close()
-    until(lambda: driver.keys[-1] == frozenset())
+    wait_until(lambda: driver.keys[-1] == frozenset())
 
 
 def test_a_page_that_hangs_lets_go(running, open_page) -> None:
     driver, url = running
     page = open_page(url)
     page.keyboard.down("ArrowUp")
-    until(lambda: driver.keys[-1] == {"ArrowUp"})
+    wait_until(lambda: driver.keys[-1] == {"ArrowUp"})
     # a script that stands still in a debugger, and one that never ends, are the same to all others
     debugger = page.context.new_cdp_session(page)
     debugger.send("Debugger.enable")
     stopped: list[object] = []
     debugger.on("Debugger.paused", lambda event: stopped.append(event))
     debugger.send("Debugger.pause")
-    until(lambda: page.wait_for_timeout(1) or stopped, "a script that stands still")
-    until(lambda: driver.keys[-1] == frozenset())
+    wait_until(lambda: page.wait_for_timeout(1) or stopped, "a script that stands still")
+    wait_until(lambda: driver.keys[-1] == frozenset())
     assert driver.server.watched
     debugger.send("Debugger.resume")
 
@@ -258,39 +262,39 @@ def test_the_camera_flies_by_keys_and_looks_around_with_ctrl(shown) -> None:
     for key, way in (("w", ahead), ("z", ahead), ("s", -ahead), ("r", [0, 0, 1]), ("f", [0, 0, -1])):
         before = np.array(camera(page)["position"])
         page.keyboard.down(key)
-        until(lambda: np.linalg.norm(np.array(camera(page)["position"]) - before) > 0.3)  # noqa: B023
+        wait_until(lambda: np.linalg.norm(np.array(camera(page)["position"]) - before) > 0.3)  # noqa: B023
         page.keyboard.up(key)
         moved = np.array(camera(page)["position"]) - before
         assert np.dot(moved, way) / np.linalg.norm(moved) > 0.9, key
-        until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+        wait_until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
     for left, right in (("a", "d"), ("q", "d")):
         before = np.array(camera(page)["position"])
         page.keyboard.down(left)
-        until(lambda: np.linalg.norm(np.array(camera(page)["position"]) - before) > 0.3)  # noqa: B023
+        wait_until(lambda: np.linalg.norm(np.array(camera(page)["position"]) - before) > 0.3)  # noqa: B023
         page.keyboard.up(left)
         side = np.array(camera(page)["position"]) - before
         assert np.dot(np.cross(ahead, [0, 0, 1]), side) < 0
         page.keyboard.down(right)
-        until(lambda: np.dot(np.array(camera(page)["position"]) - before, side) < 0)  # noqa: B023
+        wait_until(lambda: np.dot(np.array(camera(page)["position"]) - before, side) < 0)  # noqa: B023
         page.keyboard.up(right)
-        until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+        wait_until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
     before = camera(page)
     page.mouse.move(300, 250)
     page.keyboard.down("Control")
     page.mouse.move(400, 250, steps=4)
     page.keyboard.up("Control")
-    until(lambda: camera(page)["yaw"] < before["yaw"] - 0.1)
+    wait_until(lambda: camera(page)["yaw"] < before["yaw"] - 0.1)
     assert camera(page)["position"] == before["position"]
     assert frozenset() in driver.keys
     page.keyboard.press("F8")
-    until(lambda: camera(page)["position"] == pytest.approx([10.0, -10.0, 8.0]))
+    wait_until(lambda: camera(page)["position"] == pytest.approx([10.0, -10.0, 8.0]))
 
 
 def test_ctrl_keys_of_the_browser_do_not_drive(shown) -> None:
     driver, page = shown
     page.keyboard.press("Control+KeyK")
     page.keyboard.press("ArrowUp")
-    until(lambda: any("ArrowUp" in keys for keys in driver.keys))
+    wait_until(lambda: any("ArrowUp" in keys for keys in driver.keys))
     assert not any("KeyK" in keys for keys in driver.keys)
 
 
@@ -306,9 +310,9 @@ def test_f7_and_f9(shown) -> None:
         names.append(int(np.argmin([math.hypot(px - x, py - y) for px, py, _ in place])))
     assert set(names) == {0, 1, 2}
     page.keyboard.press("F9")
-    until(lambda: camera(page)["position"] == pytest.approx([0, 0, 6]))
+    wait_until(lambda: camera(page)["position"] == pytest.approx([0, 0, 6]))
     page.keyboard.press("F9")
-    until(lambda: camera(page)["position"] == pytest.approx([10.0, -10.0, 8.0]))
+    wait_until(lambda: camera(page)["position"] == pytest.approx([10.0, -10.0, 8.0]))
 
 
 def test_orbit_keeps_what_is_under_the_pointer_and_zoom_comes_closer(shown) -> None:
@@ -323,7 +327,7 @@ def test_orbit_keeps_what_is_under_the_pointer_and_zoom_comes_closer(shown) -> N
     assert page.evaluate(distance) == pytest.approx(before, rel=1e-6)
     height = camera(page)["position"][2]
     page.mouse.wheel(0, -300)
-    until(lambda: camera(page)["position"][2] < height - 0.3)
+    wait_until(lambda: camera(page)["position"][2] < height - 0.3)
 
 
 def test_help_lists_the_keys(shown) -> None:
@@ -334,30 +338,30 @@ def test_help_lists_the_keys(shown) -> None:
     for key in ("F7", "F8", "F9", "F11", "Ctrl", "Space", "↑"):
         assert key in text
     page.keyboard.press("Escape")
-    until(lambda: not dialog.is_visible())
+    wait_until(lambda: not dialog.is_visible())
     page.keyboard.press("?")
-    until(dialog.is_visible)
+    wait_until(dialog.is_visible)
 
 
 def test_the_robot_that_listens(shown) -> None:
     driver, page = shown
     driver.server.send(Listening(["robot0", "robot1"], "robot1"))
     select = page.get_by_label("the robot that obeys the keys")
-    until(lambda: select.input_value() == "robot1")
+    wait_until(lambda: select.input_value() == "robot1")
     select.select_option("robot0")
-    until(lambda: any(getattr(event, "robot", "") == "robot0" for event in driver.events))
+    wait_until(lambda: any(getattr(event, "robot", "") == "robot0" for event in driver.events))
     driver.server.send(Listening([]))
 
 
 def test_one_drives_and_hands_over(running, open_page) -> None:
     driver, url = running
     one, two = open_page(url), open_page(url)
-    until(lambda: two.get_by_role("button", name="ask to drive").is_visible())
+    wait_until(lambda: two.get_by_role("button", name="ask to drive").is_visible())
     assert two.get_by_role("button", name="Pause").is_disabled()
     two.keyboard.down("ArrowUp")
     one.bring_to_front()
     two.get_by_role("button", name="ask to drive").click()
-    until(
+    wait_until(
         lambda: (
             one.get_by_text("would like to drive").is_visible()
             or one.get_by_role("button", name="ask to drive").is_visible()
@@ -365,15 +369,15 @@ def test_one_drives_and_hands_over(running, open_page) -> None:
     )
     if one.get_by_text("would like to drive").is_visible():
         one.get_by_role("button", name="hand over").click()
-    until(lambda: two.get_by_text("you drive").is_visible())
+    wait_until(lambda: two.get_by_text("you drive").is_visible())
     # a key that was pressed before does not drive
     two.keyboard.down("ArrowDown")
-    until(lambda: any("ArrowDown" in keys for keys in driver.keys))
+    wait_until(lambda: any("ArrowDown" in keys for keys in driver.keys))
     two.keyboard.up("ArrowDown")
     assert not any("ArrowUp" in keys for keys in driver.keys)
     two.get_by_role("button", name="Pause").click()
-    until(lambda: not driver.running)
-    until(lambda: one.get_by_role("button", name="Play").is_disabled())
+    wait_until(lambda: not driver.running)
+    wait_until(lambda: one.get_by_role("button", name="Play").is_disabled())
 
 
 def test_connection_lost_and_found(make_server, open_page) -> None:
@@ -382,12 +386,12 @@ def test_connection_lost_and_found(make_server, open_page) -> None:
     server.set_scene(Scene("s", roots=[mesh_node("box", box("b", red))]), [])
     page = open_page(url)
     server.stop()
-    until(lambda: "simulation has ended" in page.locator(".link").inner_text())
+    wait_until(lambda: "simulation has ended" in page.locator(".link").inner_text())
     again, other = make_server(port=int(url.rsplit(":", 1)[1].strip("/")))
     assert other == url
     again.set_scene(Scene("s", roots=[mesh_node("box", box("b", red)), mesh_node("new", box("n", red))]), [])
-    until(lambda: page.locator(".link").is_hidden())
-    until(lambda: page.evaluate("!!morse.world.value.find('new')"))
+    wait_until(lambda: page.locator(".link").is_hidden())
+    wait_until(lambda: page.evaluate("!!morse.world.value.find('new')"))
 
 
 def test_wrong_token_is_said(make_server, open_page) -> None:
@@ -403,7 +407,7 @@ def test_an_old_page_is_told_to_reload(served, open_page, monkeypatch) -> None:
     _, url = served
     monkeypatch.setattr("morse.viewer.hub.VERSION", 99)
     page = open_page(url, wait=False)
-    until(lambda: "the simulator 99: reload the page" in page.locator(".link").inner_text())
+    wait_until(lambda: "the simulator 99: reload the page" in page.locator(".link").inner_text())
     reload = page.locator(".link").get_by_role("button", name="reload").element_handle()
     assert reload is not None
     for _ in range(10):  # in a second, the page asks at least once more
@@ -416,21 +420,21 @@ def test_a_world_that_changes_keeps_the_point_of_view_and_the_selection(running,
     page = open_page(url, width=1000)
     page.locator('[data-name="robot1"]').click()
     page.keyboard.press("1")
-    until(lambda: page.evaluate("morse.follow.mode.value") == "third")
+    wait_until(lambda: page.evaluate("morse.follow.mode.value") == "third")
     scene, moving = playground()
     scene.roots.append(mesh_node("parcel", box("parcel"), (1, 2, 3)))
     scene.roots.remove(scene.find("ball"))  # type: ignore[arg-type]
     driver.server.set_scene(scene, moving)
-    until(lambda: page.evaluate("!!morse.world.value.find('parcel') && !morse.world.value.find('ball')"))
+    wait_until(lambda: page.evaluate("!!morse.world.value.find('parcel') && !morse.world.value.find('ball')"))
     assert page.evaluate("morse.follow.mode.value") == "third"
     assert page.evaluate("morse.components.selected.value") == "robot1"
     revision = page.evaluate("morse.poses.value.revision")
     assert page.evaluate("morse.world.value.description.revision") >= revision
     where = "morse.world.value.find('robot0').frame.position.toArray().join()"
     seen: set[str] = set()
-    until(lambda: seen.add(page.evaluate(where)) or len(seen) > 3, "the new world moves")
+    wait_until(lambda: seen.add(page.evaluate(where)) or len(seen) > 3, "the new world moves")
     near = "morse.stage.view.position.distanceTo(morse.world.value.find('robot1').frame.position)"
-    until(lambda: page.evaluate(near) < 7)
+    wait_until(lambda: page.evaluate(near) < 7)
 
 
 def test_light_and_dark(served, open_page) -> None:
@@ -441,7 +445,7 @@ def test_light_and_dark(served, open_page) -> None:
     dark = colors(page).mean()
     ink = page.evaluate("getComputedStyle(document.body).color")
     page.get_by_role("button", name="Light or dark").click()
-    until(lambda: page.evaluate("getComputedStyle(document.body).color") != ink)
+    wait_until(lambda: page.evaluate("getComputedStyle(document.body).color") != ink)
     # the world is the same: it is that of the cameras
     assert colors(page).mean() == pytest.approx(dark, abs=2)
     page.reload()
@@ -454,7 +458,7 @@ def test_light_and_dark(served, open_page) -> None:
 def test_without_a_world_the_empty_ground_is_drawn(served, open_page) -> None:
     _, url = served
     page = open_page(url, wait=False)
-    until(lambda: page.evaluate("morse.stage.frames > 0"))
+    wait_until(lambda: page.evaluate("morse.stage.frames > 0"))
     assert page.evaluate("morse.stage.world") is None
     assert colors(page).std() > 5
 
@@ -472,7 +476,7 @@ def test_nothing_is_drawn_before_the_world_is_there(running, profile) -> None:
     try:
         page.add_init_script(FIRST)
         page.goto(url)
-        until(lambda: page.evaluate("!!window.first"))
+        wait_until(lambda: page.evaluate("!!window.first"))
         milliseconds, with_world = page.evaluate("window.first")
         assert with_world or milliseconds > 700  # on a slow machine, the empty ground is shown in the meantime
     finally:
@@ -493,7 +497,7 @@ def test_a_processor_in_place_of_a_graphics_card_draws_plain_edges(running, prof
     try:
         for _ in ("found out", "remembered"):
             page.goto(url)
-            until(lambda: page.evaluate("!!window.morse?.world.value"))
+            wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
             assert page.evaluate("localStorage.getItem('morse.drawnBy')") == "software"
             assert page.evaluate("morse.stage.renderer.getContext().getContextAttributes().antialias") is False
     finally:

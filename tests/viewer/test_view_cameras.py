@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
-from view_pages import until
 from view_worlds import playground
 
 from morse.core.colors.id_colors import as_colors
@@ -23,6 +22,7 @@ from morse.viewer.view_messages import (
     Sighting,
     Tree,
 )
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -54,7 +54,7 @@ def cameras(scenes: SharedScenes) -> tuple[ViewServer, Page]:
     page = scenes.show(*playground())
     scenes.server.send(ROBOTS)
     page.set_viewport_size(WIDE)  # type: ignore[arg-type]
-    until(lambda: page.evaluate("morse.components.all.value.length") == 6)
+    wait_until(lambda: page.evaluate("morse.components.all.value.length") == 6)
     return scenes.server, page
 
 
@@ -78,12 +78,12 @@ def test_what_the_cameras_of_the_selected_robot_see(served, open_page) -> None:
     server.set_scene(*playground())
     server.send(ROBOTS)
     page = open_page(url, **WIDE)
-    until(lambda: page.evaluate("morse.components.all.value.length") == 6)
+    wait_until(lambda: page.evaluate("morse.components.all.value.length") == 6)
     page.evaluate("morse.components.selected.set('robot0')")
-    until(lambda: shown(page) == EYES[:2])
-    until(lambda: server.wishes.images == set(EYES[:2]))
+    wait_until(lambda: shown(page) == EYES[:2])
+    wait_until(lambda: server.wishes.images == set(EYES[:2]))
     page.locator(f"[data-camera='{EYES[0]}']").get_by_role("button", name="Close").click()
-    until(lambda: shown(page) == EYES[1:2])
+    wait_until(lambda: shown(page) == EYES[1:2])
     page.evaluate("morse.components.selected.set('robot0.left')")
     assert shown(page) == []  # closed for as long as the robot is selected
     page.evaluate("morse.components.selected.set('robot1')")
@@ -102,7 +102,7 @@ def test_what_the_cameras_of_the_selected_robot_see(served, open_page) -> None:
     assert boxes[1]["right"] < boxes[0]["left"]
     # and they are there again after the page was loaded again
     page.reload()
-    until(lambda: page.evaluate("!!window.morse?.world.value") and shown(page) == [EYES[3], EYES[1]])
+    wait_until(lambda: page.evaluate("!!window.morse?.world.value") and shown(page) == [EYES[3], EYES[1]])
     page.locator("summary[title=view]").click()
     page.get_by_label("of the selected robot").uncheck()
     page.evaluate("morse.components.selected.set('robot0.left')")
@@ -112,7 +112,7 @@ def test_what_the_cameras_of_the_selected_robot_see(served, open_page) -> None:
 def test_ids_have_colours_boxes_and_names(cameras, tmp_path) -> None:
     server, page = cameras
     page.evaluate("morse.components.selected.set('robot0.left')")
-    until(lambda: server.wishes.images == {EYES[0]})
+    wait_until(lambda: server.wishes.images == {EYES[0]})
     ids = np.zeros((40, 60), np.uint16)
     ids[5:35, 10:50] = 300
     ids[36:, :] = 9
@@ -120,7 +120,7 @@ def test_ids_have_colours_boxes_and_names(cameras, tmp_path) -> None:
     for i in range(3):
         rows = zlib.compress(ids.tobytes())
         server.send(Picture(rows, EYES[0], 60, 40, "image/x-u16", i / 20, "ids", sightings=[box]))
-        until(lambda i=i: page.evaluate(TAKEN, EYES[0]) == i + 1)
+        wait_until(lambda i=i: page.evaluate(TAKEN, EYES[0]) == i + 1)
     assert page.locator(".facts").inner_text() == "60×40 · 20 Hz"
     assert np.abs(pixels(page, EYES[0]) - as_colors(ids).astype(int)).max() <= 1
     frame = page.evaluate(
@@ -149,14 +149,14 @@ def test_ids_have_colours_boxes_and_names(cameras, tmp_path) -> None:
 def test_depths_have_colours_and_a_scale(cameras) -> None:
     server, page = cameras
     page.evaluate("morse.components.selected.set('robot0.left')")
-    until(lambda: server.wishes.images == {EYES[0]})
+    wait_until(lambda: server.wishes.images == {EYES[0]})
     depth = np.full((16, 64), 2.0, np.float32)
     depth[:, 16:32], depth[:, 32:48], depth[:, 48:] = 3.0, 6.0, np.inf
     levels = depth_levels(depth)
     server.send(
         Picture(as_jpeg(levels.grey), EYES[0], 64, 16, "image/jpeg", 0.0, "depth", levels.low, levels.high, "m")
     )
-    until(lambda: page.locator(".image .scale").is_visible())
+    wait_until(lambda: page.locator(".image .scale").is_visible())
     assert page.locator(".image .scale").inner_text().split("\n") == ["2.00 m", "6.00 m"]
     seen = pixels(page, EYES[0])[8, [8, 24, 40, 56]]
     # the farther, the darker; black where nothing is seen
@@ -175,14 +175,14 @@ def test_depths_have_colours_and_a_scale(cameras) -> None:
 def test_hot_surfaces_are_bright(cameras) -> None:
     server, page = cameras
     page.evaluate("morse.components.selected.set('robot0.left')")
-    until(lambda: server.wishes.images == {EYES[0]})
+    wait_until(lambda: server.wishes.images == {EYES[0]})
     heat = np.full((16, 48), 15.0, np.float32)
     heat[:, 16:32], heat[:, 32:] = 36.5, 60.0
     levels = depth_levels(heat)
     server.send(
         Picture(as_jpeg(levels.grey), EYES[0], 48, 16, "image/jpeg", 0.0, "temperature", levels.low, levels.high, "°C")
     )
-    until(lambda: page.locator(".image .scale").is_visible())
+    wait_until(lambda: page.locator(".image .scale").is_visible())
     assert page.locator(".image .scale").inner_text().split("\n") == ["15.0 °C", "60.0 °C"]
     seen = pixels(page, EYES[0])[8, [8, 24, 40]]
     assert (np.diff(seen @ (0.299, 0.587, 0.114)) > 20).all()
@@ -193,10 +193,10 @@ def test_the_points_of_a_cloud_are_drawn_where_they_are(cameras) -> None:
     server, page = cameras
     layer = "morse.panels.layers.list.find((one) => one.id === 'rays')"
     page.evaluate("morse.panels.layers.switch('rays', true)")
-    until(lambda: set(EYES) <= server.wishes.overlays)
+    wait_until(lambda: set(EYES) <= server.wishes.overlays)
     cloud = np.array([[1, 2, 3], [4, 5, 6.5]], np.float32)
     server.send(Cloud(cloud.tobytes(), EYES[1]))
-    until(lambda: page.evaluate(f"{layer}.drawn.has('{EYES[1]}')"))
+    wait_until(lambda: page.evaluate(f"{layer}.drawn.has('{EYES[1]}')"))
     drawn = page.evaluate(f"[...{layer}.drawn.get('{EYES[1]}').hits.geometry.attributes.position.array]")
     assert drawn == cloud.ravel().tolist()
     page.evaluate("morse.panels.layers.switch('rays', false)")
@@ -224,8 +224,8 @@ def test_fields_of_view_start_at_their_cameras_in_their_colours(running, open_pa
     page = open_page(url, **WIDE)
     page.evaluate("morse.panels.layers.switch('frustums', true)")
     layer = "morse.panels.layers.list.find((one) => one.id === 'frustums')"
-    until(lambda: page.evaluate(f"{layer}.root.children.length") == 1)
-    until(lambda: "robot0.lidar" in driver.server.wishes.overlays)
+    wait_until(lambda: page.evaluate(f"{layer}.root.children.length") == 1)
+    wait_until(lambda: "robot0.lidar" in driver.server.wishes.overlays)
     corner = page.evaluate(
         f"""(() => {{ const parts = {layer}.root.children[0]; morse.stage.draw(); parts.updateMatrixWorld(true);
         const lines = parts.children[0]; const box = lines.geometry.attributes.position;
@@ -251,11 +251,11 @@ def test_fields_of_view_start_at_their_cameras_in_their_colours(running, open_pa
 def test_a_damaged_picture_does_not_stop_the_panel(cameras) -> None:
     server, page = cameras
     page.evaluate("morse.components.selected.set('robot0.left')")
-    until(lambda: server.wishes.images == {EYES[0]})
+    wait_until(lambda: server.wishes.images == {EYES[0]})
     data = io.BytesIO()
     Image.new("RGB", (8, 8), (0, 200, 0)).save(data, "JPEG")
     for i, mime in enumerate(("image/jpeg", "image/x-u16", "image/x-rgba")):
         server.send(Picture(b"not a picture", EYES[0], 8, 8, mime))
-        until(lambda i=i: page.evaluate(TAKEN, EYES[0]) == i + 1)
+        wait_until(lambda i=i: page.evaluate(TAKEN, EYES[0]) == i + 1)
     server.send(Picture(data.getvalue(), EYES[0], 8, 8, "image/jpeg", 1.0))
-    until(lambda: pixels(page, EYES[0])[4, 4].tolist() == pytest.approx([0, 200, 0], abs=6))
+    wait_until(lambda: pixels(page, EYES[0])[4, 4].tolist() == pytest.approx([0, 200, 0], abs=6))

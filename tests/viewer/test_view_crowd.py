@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from view_pages import Client, fetch, port_of, until
+from view_pages import Client, fetch, port_of
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
@@ -18,6 +18,7 @@ from morse.viewer.page import MOST_REQUESTS, PageLeft
 from morse.viewer.page_inputs import ServiceCalls
 from morse.viewer.page_messages import CallService, Pause
 from morse.viewer.view_messages import Answer
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -75,12 +76,12 @@ def test_requests_without_an_answer_are_limited_and_end_with_their_page(served) 
         calls = [event for event in server.take_events() if isinstance(event, CallService)]
         assert len(calls) == MOST_REQUESTS
         page.send("cancel_service", request=0)
-        until(server.take_events)
+        wait_until(server.take_events)
         server.send(Answer(calls[0].request, ok=False, error="PREEMPTED"))
         page.expect("answer", request=0)
         page.send("call_service", request=1000, component="time", service="sleep", arguments=[1e9])
-        (last,) = until(server.take_events)
-    events = until(server.take_events)
+        (last,) = wait_until(server.take_events)
+    events = wait_until(server.take_events)
     assert events == [PageLeft([call.request for call in (*calls[1:], last)])]
 
 

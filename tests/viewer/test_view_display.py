@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import pytest
-from view_pages import toasts, until
+from view_pages import toasts
 from view_worlds import box, mesh_node, playground
 
 from morse.scene import Material
 from morse.viewer.page_messages import Reset
 from morse.viewer.view_messages import FileMistake, Log, SavedFiles
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -26,10 +27,10 @@ def test_what_a_script_shows_is_shown_unasked(running, open_page) -> None:
     display.images = ("robot1.lidar", "robot2.lidar")
     driver.server.set_scene(scene, moving)
     page = open_page(url, width=1200, height=700)
-    until(lambda: driver.server.wishes.images == {"robot1.lidar", "robot2.lidar"})
+    wait_until(lambda: driver.server.wishes.images == {"robot1.lidar", "robot2.lidar"})
     # rays of the sensor that is named, and of the selected one
-    until(lambda: driver.server.wishes.overlays == {"robot0.lidar", "robot2.lidar"})
-    until(lambda: "robot1.lidar" in driver.server.wishes.values)
+    wait_until(lambda: driver.server.wishes.overlays == {"robot0.lidar", "robot2.lidar"})
+    wait_until(lambda: "robot1.lidar" in driver.server.wishes.values)
     assert page.evaluate("morse.panels.plots.plots.length") == 1
     assert page.evaluate("morse.panels.layers.list.filter((one) => one.on).map((one) => one.id)") == ["trails"]
     page.get_by_role("heading", name="robot2.lidar").wait_for()
@@ -37,7 +38,7 @@ def test_what_a_script_shows_is_shown_unasked(running, open_page) -> None:
     # the distance of the script from the robot, wherever it has driven
     begin = next(node for node in scene.roots if node.name == "robot1").location
     asked = [a - b for a, b in zip(scene.settings.view.camera_location, begin, strict=True)]
-    until(lambda: page.evaluate(FROM_ROBOT) == pytest.approx(asked, abs=0.3))
+    wait_until(lambda: page.evaluate(FROM_ROBOT) == pytest.approx(asked, abs=0.3))
     # what a script shows is not the choice of the user: other scenes do not get it
     assert page.evaluate("localStorage.getItem('morse.layers')") is None
     assert page.evaluate("localStorage.getItem('morse.panels')") is None
@@ -46,7 +47,7 @@ def test_what_a_script_shows_is_shown_unasked(running, open_page) -> None:
 def test_a_page_tells_that_it_has_drawn_the_world(running, open_page) -> None:
     driver, url = running
     open_page(url)
-    until(lambda: driver.server.drawn)
+    wait_until(lambda: driver.server.drawn)
 
 
 TRAIL = (
@@ -64,20 +65,20 @@ def test_robots_and_trails_stay_when_the_world_is_described_again(running, open_
     scene.settings.view.display.overlays = ("trails",)
     driver.server.set_scene(scene, moving)
     page = open_page(url)
-    until(lambda: page.evaluate(TRAIL) > 5)
+    wait_until(lambda: page.evaluate(TRAIL) > 5)
     driver.running = False
-    until(lambda: page.evaluate(PLACE) == pytest.approx(driver.poses()[2, :3].tolist()))
+    wait_until(lambda: page.evaluate(PLACE) == pytest.approx(driver.poses()[2, :3].tolist()))
     driver.shown = False  # no more poses
     page.evaluate(DRAWN)
     before, place = page.evaluate(TRAIL), page.evaluate(PLACE)
     page.evaluate("window.former = morse.world.value")
     driver.server.set_scene(scene, moving)
-    until(lambda: page.evaluate("morse.world.value !== former"))
+    wait_until(lambda: page.evaluate("morse.world.value !== former"))
     page.evaluate(DRAWN)
     assert page.evaluate(PLACE) == place
     assert page.evaluate(TRAIL) == before
     driver.running, driver.shown = True, True
-    until(lambda: page.evaluate(TRAIL) > before)
+    wait_until(lambda: page.evaluate(TRAIL) > before)
 
 
 IN_PICTURE = "morse.world.value.find('robot1').frame.position.clone().project(morse.stage.view.camera).toArray()"
@@ -90,8 +91,8 @@ def test_a_followed_robot_outside_of_the_picture_is_brought_into_it(running, ope
     view.display.follow, view.camera_location, view.camera_rotation = "robot1", (0.0, -6.0, 4.0), (1.2, 0.0, 3.0)
     driver.server.set_scene(scene, moving)
     page = open_page(url)
-    until(lambda: page.evaluate("morse.follow.mode.value") == "along")
-    until(lambda: max(map(abs, page.evaluate(IN_PICTURE)[:2])) < 1.0)
+    wait_until(lambda: page.evaluate("morse.follow.mode.value") == "along")
+    wait_until(lambda: max(map(abs, page.evaluate(IN_PICTURE)[:2])) < 1.0)
     assert page.evaluate(IN_PICTURE)[2] < 1.0  # in front of the camera
 
 
@@ -109,16 +110,16 @@ def test_a_camera_that_follows_stays_in_front_of_walls(running, open_page, width
     scene.roots.append(wall)
     driver.server.set_scene(scene, moving)
     page = open_page(url)
-    until(lambda: page.evaluate("!!morse.world.value?.find('wall')"))
+    wait_until(lambda: page.evaluate("!!morse.world.value?.find('wall')"))
     page.evaluate("morse.follow.start('third', morse.world.value.find('robot1'))")
     distance = "Math.hypot(...morse.stage.view.position.clone().sub(morse.stage.target).toArray().slice(0, 2))"
     # without a wall, it is farther behind the robot than the wall
-    until(
+    wait_until(
         lambda: page.evaluate(
             "morse.follow.sight[0].length() < Infinity && !morse.follow.hasToLook(morse.stage.target)"
         )
     )
-    until(lambda: (page.evaluate(distance) < behind) == hides)
+    wait_until(lambda: (page.evaluate(distance) < behind) == hides)
     assert max(map(abs, page.evaluate(IN_PICTURE)[:2])) < 1.0
 
 
@@ -128,8 +129,8 @@ def test_no_lines_look_like_a_floor_where_a_world_has_none(running, open_page) -
     scene.roots[:] = [root for root in scene.roots if root.name != "floor"]
     driver.server.set_scene(scene, moving)
     page = open_page(url)
-    until(lambda: page.evaluate("!!morse.world.value && !morse.world.value.find('floor')"))
-    until(lambda: page.evaluate("morse.stage.ground.mesh.material.visible") is False)
+    wait_until(lambda: page.evaluate("!!morse.world.value && !morse.world.value.find('floor')"))
+    wait_until(lambda: page.evaluate("morse.stage.ground.mesh.material.visible") is False)
 
 
 def test_messages_have_the_room_of_plots_that_are_not_there(running, open_page) -> None:
@@ -137,7 +138,7 @@ def test_messages_have_the_room_of_plots_that_are_not_there(running, open_page) 
     page = open_page(url, width=1200, height=700)
     page.evaluate("morse.shell.show('bottom')")
     widths = "['.plots', '.log'].map((name) => document.querySelector(name).clientWidth)"
-    until(lambda: page.evaluate(widths)[0] > 0)
+    wait_until(lambda: page.evaluate(widths)[0] > 0)
     plots, log = page.evaluate(widths)
     assert log > 2 * plots
 
@@ -148,10 +149,10 @@ def test_what_the_user_has_closed_stays_closed(running, open_page) -> None:
     scene.settings.view.display.plots = ((("robot1.lidar", "x"),),)
     driver.server.set_scene(scene, moving)
     page = open_page(url, width=1200, height=700)
-    until(lambda: page.evaluate("morse.panels.plots.plots.length") == 1)
+    wait_until(lambda: page.evaluate("morse.panels.plots.plots.length") == 1)
     page.evaluate("morse.panels.plots.plots[0].onEmpty()")
     page.reload()
-    until(lambda: page.evaluate("!!window.morse?.world.value"))
+    wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
     assert page.evaluate("morse.panels.plots.plots.length") == 0
 
 
@@ -161,7 +162,7 @@ def test_a_layout_opens_these_panels_alone(running, open_page) -> None:
     scene.settings.view.display.panels = ("plots",)
     driver.server.set_scene(scene, moving)
     page = open_page(url, width=1200, height=700)
-    until(lambda: page.locator("section.bottom").is_visible())
+    wait_until(lambda: page.locator("section.bottom").is_visible())
     assert page.locator("aside.left").is_hidden()
     assert page.locator("aside.right").is_hidden()
 
@@ -174,31 +175,31 @@ def test_a_mistake_in_a_saved_file_stays_on_the_page_and_opens_the_log(running, 
     mistake = page.get_by_role("button", name="eyes.py, line 24")
     mistake.wait_for()
     mistake.click()
-    until(lambda: page.locator(".log p.found").is_visible())
+    wait_until(lambda: page.locator(".log p.found").is_visible())
     driver.server.send(SavedFiles([], ["default.py"]))
-    until(lambda: mistake.count() == 0)
+    wait_until(lambda: mistake.count() == 0)
     driver.events.clear()
     page.get_by_role("button", name="reload").click()
-    until(lambda: any(isinstance(event, Reset) for event in driver.events))
+    wait_until(lambda: any(isinstance(event, Reset) for event in driver.events))
     # the dialogue of F11 says the same
     page.keyboard.press("F11")
-    until(lambda: "default.py was saved" in page.locator("dialog.ask").inner_text())
+    wait_until(lambda: "default.py was saved" in page.locator("dialog.ask").inner_text())
 
 
 def test_an_error_of_a_component_names_its_line(running, open_page) -> None:
     driver, url = running
     page = open_page(url, width=1200, height=700)
-    until(lambda: page.evaluate("morse.seat.drives.value"))
+    wait_until(lambda: page.evaluate("morse.seat.drives.value"))
     text = "robot0.lidar: KeyError: 'lefft'\n  File \"/home/me/src/eyes.py\", line 24, in default_action"
     driver.server.send(Log("error", text, "", 1.0, 0))
-    until(lambda: any("'lefft' (eyes.py, line 24)" in told for told in toasts(page)))
+    wait_until(lambda: any("'lefft' (eyes.py, line 24)" in told for told in toasts(page)))
 
 
 @pytest.mark.parametrize("step", [1e-9, 1e-5, 0.002, 0.5, 20.0, 5e7])
 def test_ticks_of_a_plot_differ_and_have_units(shown, step) -> None:
     _, page = shown
     page.evaluate("morse.panels.plots.plot('robot0.lidar', 'x')")
-    until(lambda: page.evaluate("morse.panels.plots.plots[0].curves.length") == 1)
+    wait_until(lambda: page.evaluate("morse.panels.plots.plots[0].curves.length") == 1)
     unit = page.evaluate("morse.panels.plots.plots[0].curves[0].unit")
     ticks = page.evaluate(f"morse.panels.plots.plots[0].ticks({[n * step for n in range(-3, 4)]})")
     assert len(set(ticks)) == 7

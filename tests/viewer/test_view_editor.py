@@ -6,13 +6,14 @@ import contextlib
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from view_pages import Client, fetch, until
+from view_pages import Client, fetch
 from websockets.exceptions import InvalidStatus
 
 import morse
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
 from morse.viewer.editor.editor import Catalog
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -79,7 +80,7 @@ class Desk:
             fits = (m for m in self._client.messages if m["type"] == message_type and fields.items() <= m.items())
             return next(fits, None)
 
-        message: dict[str, Any] = until(arrived, message_type)
+        message: dict[str, Any] = wait_until(arrived, message_type)
         self._client.messages.remove(message)
         return message
 
@@ -280,13 +281,13 @@ def test_a_model_is_dragged_into_the_world_and_saved(
     page = open_page(simulation.view.url, width=1000, height=700)
 
     def shown(condition: str) -> None:
-        until(lambda: (simulation.step(1), page.evaluate(f"Boolean({condition})"))[1], condition)
+        wait_until(lambda: (simulation.step(1), page.evaluate(f"Boolean({condition})"))[1], condition)
 
     shown("morse.stage.world && morse.seat.drives.value && !morse.panels.editor.element.hidden")
     page.get_by_role("button", name="add", exact=True).click()
     shown("document.querySelector('[data-kind=Morsy]')")
     # the list is made again when its pictures arrive
-    box = until(page.locator("[data-kind=Morsy]").bounding_box)
+    box = wait_until(page.locator("[data-kind=Morsy]").bounding_box)
     page.mouse.move(box["x"] + 20, box["y"] + 20)
     page.mouse.down()
     page.mouse.move(600, 500, steps=3)
@@ -295,4 +296,4 @@ def test_a_model_is_dragged_into_the_world_and_saved(
     page.get_by_role("button", name="save 1 change").click()
     shown("document.querySelector('dialog.save .added')?.checkVisibility()")
     page.locator("dialog.save").get_by_role("button", name="save", exact=True).click()
-    until(lambda: (simulation.step(1), "morsy = Morsy()" in (tmp_path / "scene.py").read_text())[1], "the script")
+    wait_until(lambda: (simulation.step(1), "morsy = Morsy()" in (tmp_path / "scene.py").read_text())[1], "the script")

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
-from view_pages import toasts, until
+from view_pages import toasts
 from view_worlds import mesh_node, plane
 
 from morse.scene import Light, Material, Node, NodeKind, Scene
 from morse.viewer.describe import describe_light
 from morse.viewer.view_messages import Appearance
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -72,7 +73,7 @@ def test_of_too_many_lamps_those_that_light_the_view_are_kept(scenes) -> None:
     scene.roots.append(lamp("sky", "HEMI", (300.0, 0.0, 3.0), energy=0.1))
     scene.settings.view.camera_location = (0.0, -4.0, 4.0)
     page = scenes.show(scene)
-    until(lambda: toasts(page))
+    wait_until(lambda: toasts(page))
     (toast,) = toasts(page)
     assert toast.startswith("3 lamps are not shown: far")
     assert "near" not in toast
@@ -90,10 +91,10 @@ def test_a_lamp_changes_on_the_page(served, open_page, tmp_path) -> None:
     dim = brightness(page, tmp_path)
     change = Appearance("lamp", True, None, describe_light(Light("POINT", energy=2.0, casts_shadow=False)))
     server.send(change)
-    until(lambda: brightness(page, tmp_path) > dim + 20)
+    wait_until(lambda: brightness(page, tmp_path) > dim + 20)
     # a page that comes later is told, too, although the world was described before
     late = open_page(url)
-    until(lambda: brightness(late, tmp_path) > dim + 20)
+    wait_until(lambda: brightness(late, tmp_path) > dim + 20)
 
 
 def test_beside_lamps_a_sun_still_casts_shadows_that_are_seen(scenes, tmp_path) -> None:
@@ -119,7 +120,7 @@ def test_a_floor_hides_the_lines_on_the_ground(scenes, tmp_path) -> None:
     def lines(on: bool) -> np.ndarray:
         drawn = page.evaluate("morse.stage.frames")
         page.evaluate("on => { morse.stage.ground.mesh.visible = on; morse.stage.invalidate(); }", on)
-        until(lambda: page.evaluate("morse.stage.frames") > drawn)
+        wait_until(lambda: page.evaluate("morse.stage.frames") > drawn)
         page.locator("main > canvas").screenshot(path=tmp_path / "view.png")
         return np.asarray(Image.open(tmp_path / "view.png").convert("RGB"), int)
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 from shared_page import FROM_THE_TOP
-from view_pages import until
 from view_worlds import playground
 
 from morse.viewer.description import ComponentDescription, FieldDescription
@@ -20,6 +19,7 @@ from morse.viewer.view_messages import (
     Tree,
     Values,
 )
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -47,15 +47,17 @@ def test_the_header_is_one_row(running, open_page) -> None:
     driver.server.send(SoundState("robot0", "stop", None, 0.0, 0.0))
     driver.server.send(Recordings([]))
     drives, watches = open_page(url), open_page(url)
-    until(lambda: watches.get_by_role("button", name="ask to drive").is_visible())
-    until(lambda: drives.get_by_text("you drive").is_visible())
-    until(lambda: all(page.evaluate("morse.poses.value !== null") for page in (drives, watches)))
+    wait_until(lambda: watches.get_by_role("button", name="ask to drive").is_visible())
+    wait_until(lambda: drives.get_by_text("you drive").is_visible())
+    wait_until(lambda: all(page.evaluate("morse.poses.value !== null") for page in (drives, watches)))
     driver.shown = False  # nothing need move
     for width in (640, 760, 899, 900, 1000, 1100, 1280):
         for page in (drives, watches):
             page.set_viewport_size({"width": width, "height": 420})
-            until(lambda page=page, width=width: page.evaluate("innerWidth") == width)
-            until(lambda page=page: header(page) < ROW and page.evaluate(CUT_OFF) == 0, f"one row at {width} pixels")
+            wait_until(lambda page=page, width=width: page.evaluate("innerWidth") == width)
+            wait_until(
+                lambda page=page: header(page) < ROW and page.evaluate(CUT_OFF) == 0, f"one row at {width} pixels"
+            )
 
 
 def test_a_telephone_has_two_rows(running, open_page) -> None:
@@ -84,13 +86,13 @@ def test_what_has_no_room_is_behind_a_button(running, open_page) -> None:
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
     assert not shot.is_visible()
     page.set_viewport_size({"width": 1200, "height": 600})
-    until(lambda: shot.is_visible() and not more.is_visible())
+    wait_until(lambda: shot.is_visible() and not more.is_visible())
 
 
 def test_keys_are_listed_in_few_lines(shown) -> None:
     _, page = shown
     page.set_viewport_size({"width": 1280, "height": 720})
-    until(lambda: page.evaluate("innerWidth") == 1280)
+    wait_until(lambda: page.evaluate("innerWidth") == 1280)
     page.keyboard.press("h")
     heights = page.evaluate(LINES)
     assert len(heights) > 25
@@ -104,11 +106,11 @@ def test_properties_that_the_script_asks_for_are_listed(shown) -> None:
     panel = page.locator(".debug")
     assert not panel.is_visible()
     driver.server.send(DebugProperties([DebugProperty("door", "open", "True"), DebugProperty("<b>", "x", "1")], 3))
-    until(panel.is_visible)
+    wait_until(panel.is_visible)
     assert panel.locator("tr").all_inner_texts() == ["door.open\tTrue", "<b>.x\t1"]
     assert panel.locator("p").inner_text() == "and 3 more"
     driver.server.send(DebugProperties([]))
-    until(lambda: not panel.is_visible())
+    wait_until(lambda: not panel.is_visible())
 
 
 WHERE = """(e => [e.getAttribute("aria-label") || e.title || e.textContent, e.getClientRects().length > 0
@@ -198,7 +200,7 @@ def test_on_a_telephone_nothing_lies_over_what_a_thumb_needs(served, open_page, 
     server.send(Recordings([RecordingDescription("/a/run.mcap", 1.0, 500, stoppable=True)]))
     page = open_page(url, width=width, height=height, has_touch=True, is_mobile=True)
     page.evaluate("morse.components.selected.set('robot0.lidar')")
-    until(lambda: page.locator(".image").is_visible() and page.locator(".touchpad").is_visible())
+    wait_until(lambda: page.locator(".image").is_visible() and page.locator(".touchpad").is_visible())
     _, _, right, bottom = page.evaluate(EDGES, ".image")
     left, top, _, _ = page.evaluate(EDGES, ".touchpad")
     assert right <= left or bottom <= top
@@ -211,7 +213,7 @@ def test_on_a_telephone_nothing_lies_over_what_a_thumb_needs(served, open_page, 
     assert page.evaluate(SMALL) == []
     assert page.evaluate(CUT_TEXTS) == []
     page.evaluate("document.querySelector('.more').click()")
-    until(lambda: page.locator(".extra").is_visible())
+    wait_until(lambda: page.locator(".extra").is_visible())
     assert header_end - 1 <= page.evaluate(EDGES, ".extra")[1]
     assert page.evaluate(SMALL) == []
 
@@ -225,12 +227,12 @@ def test_on_a_telephone_plots_are_below_the_world_with_their_times(served, open_
     pose = ComponentDescription("robot0.pose", "sensor", "robot0", data=values)
     server.send(Tree([ComponentDescription("robot0", "robot", "robot0"), pose]))
     page = open_page(url, width=width, height=height, has_touch=True, is_mobile=True)
-    until(lambda: page.evaluate("morse.components.all.value.length > 1"))
+    wait_until(lambda: page.evaluate("morse.components.all.value.length > 1"))
     page.evaluate("for (const field of ['x', 'y', 'z']) morse.panels.plots.plot('robot0.pose', field)")
-    until(lambda: page.locator(".bottom").is_visible())
+    wait_until(lambda: page.locator(".bottom").is_visible())
     for _ in range(2):
         server.send(Values("robot0.pose", 1.0, {"x": 1.0, "y": 2.0, "z": 3.0}))
-    until(lambda: page.locator(".plot canvas").count() == 3)
+    wait_until(lambda: page.locator(".plot canvas").count() == 3)
     # the world is above, in its whole height, and the pad can be reached
     _, view_top, _, view_bottom = page.evaluate(EDGES, ".view > canvas")
     _, bottom_top, _, bottom_end = page.evaluate(EDGES, ".bottom")
@@ -241,7 +243,7 @@ def test_on_a_telephone_plots_are_below_the_world_with_their_times(served, open_
     # the lower edge of a chart has the times
     cut = """[...document.querySelectorAll(".plot .canvas")].map((box) => [box.scrollHeight, box.clientHeight])
         .filter(([whole, seen]) => whole > seen + 1)"""
-    until(lambda: page.evaluate(cut) == [], "whole charts")
+    wait_until(lambda: page.evaluate(cut) == [], "whole charts")
     # the latest plot is in sight
     left, _, right, _ = page.evaluate(EDGES, ".plot:nth-of-type(3)")
     assert left >= -1

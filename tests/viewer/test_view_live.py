@@ -11,7 +11,8 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from view_pages import until
+
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,7 +57,7 @@ def simulation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with log.open("w") as out:
         process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, cwd=folder, env=environment)
     try:
-        until(lambda: "live view is at" in log.read_text() or process.poll() is not None, limit=60)
+        wait_until(lambda: "live view is at" in log.read_text() or process.poll() is not None, limit=60)
         found = re.search(r"http://\S+", log.read_text())
         assert found is not None, log.read_text()
         yield found.group(0)
@@ -73,7 +74,7 @@ def simulation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 def shown(simulation: str, open_shared_page: Any) -> Page:
     """The page of the simulation: it takes seconds to load and to draw for the first time."""
     page: Page = open_shared_page(simulation, width=900, height=420)
-    until(lambda: page.evaluate("morse.seat.drives.value && morse.poses.value !== null"))
+    wait_until(lambda: page.evaluate("morse.seat.drives.value && morse.poses.value !== null"))
     return page
 
 
@@ -82,7 +83,7 @@ def page(shown: Page) -> Page:
     """The page after a restart of the simulation."""
     shown.get_by_role("button", name="Reset").click()
     shown.get_by_role("dialog").get_by_role("button", name="reset").click()
-    until(lambda: math.dist(place(shown)[:2], (1.0, 0.0)) < 0.1, "the robot where it began")
+    wait_until(lambda: math.dist(place(shown)[:2], (1.0, 0.0)) < 0.1, "the robot where it began")
     return shown
 
 
@@ -98,48 +99,48 @@ def time_of(page: Page) -> float:
 def test_arrow_keys_drive_the_robot_of_the_script(page) -> None:
     start = place(page)
     page.keyboard.down("ArrowUp")
-    until(lambda: place(page)[0] > start[0] + 0.5, "driven forward, along X")
+    wait_until(lambda: place(page)[0] > start[0] + 0.5, "driven forward, along X")
     page.keyboard.up("ArrowUp")
     last: list[list[float]] = []
-    until(
+    wait_until(
         lambda: last.append(place(page)) or (len(last) > 20 and math.dist(last[-1], last[-20]) < 0.01), "standing still"
     )
     assert abs(last[-1][1]) < 0.1
     page.keyboard.down("ArrowLeft")
     yaw = "(q => 2 * Math.atan2(q.z, q.w))(morse.world.value.find('robot').frame.quaternion)"
-    until(lambda: page.evaluate(yaw) > 0.3, "turned left")
+    wait_until(lambda: page.evaluate(yaw) > 0.3, "turned left")
     page.keyboard.up("ArrowLeft")
 
 
 def test_pause_step_and_play(page) -> None:
     page.get_by_role("button", name="Pause").click()
-    until(lambda: not page.evaluate("morse.poses.value.running"))
+    wait_until(lambda: not page.evaluate("morse.poses.value.running"))
     stopped = time_of(page)
     page.keyboard.press(".")
-    until(lambda: time_of(page) > stopped)
+    wait_until(lambda: time_of(page) > stopped)
     assert time_of(page) == pytest.approx(stopped + 1 / 60, abs=1e-6)
     page.get_by_role("button", name="Play").click()
-    until(lambda: time_of(page) > stopped + 0.3)
+    wait_until(lambda: time_of(page) > stopped + 0.3)
 
 
 def test_components_are_listed_with_live_values_and_services(page) -> None:
     page.locator('[data-name="robot.pose"]').click()
     x = page.locator("tr").filter(has=page.get_by_role("rowheader", name="x", exact=True)).locator(".value")
-    until(lambda: x.inner_text() != "–" and abs(float(x.inner_text()) - 1.0) < 0.2)
+    wait_until(lambda: x.inner_text() != "–" and abs(float(x.inner_text()) - 1.0) < 0.2)
     page.evaluate("morse.components.selected.set('robot.motion')")
     form = page.get_by_role("form", name="set_speed", exact=True)
     form.locator("input").nth(0).fill("0.5")
     form.locator("input").nth(1).fill("0.0")
     form.get_by_role("button", name="call").click()
-    until(lambda: place(page)[0] > 1.4, "driven by the service")
+    wait_until(lambda: place(page)[0] > 1.4, "driven by the service")
     page.get_by_role("form", name="stop", exact=True).get_by_role("button", name="call").click()
-    until(lambda: page.get_by_role("form", name="stop", exact=True).locator(".result").is_visible())
+    wait_until(lambda: page.get_by_role("form", name="stop", exact=True).locator(".result").is_visible())
 
 
 def test_rays_of_the_laser_start_at_it(page) -> None:
     page.evaluate("morse.panels.layers.switch('rays', true)")
     rays = "morse.panels.layers.list.find(l => l.id === 'rays').drawn.get('robot.laser')"
-    until(lambda: page.evaluate(f"{rays}?.beams.geometry.attributes.position.count > 100"))
+    wait_until(lambda: page.evaluate(f"{rays}?.beams.geometry.attributes.position.count > 100"))
     start = page.evaluate(f"[...{rays}.beams.geometry.attributes.position.array.slice(0, 3)]")
     laser = page.evaluate(
         "morse.world.value.find('robot.laser').frame.getWorldPosition(morse.stage.target.clone()).toArray()"
@@ -152,7 +153,7 @@ def test_moving_the_robot_by_hand(page) -> None:
         "morse.connection.request({type: 'teleport', node: 'robot', position: [2, 1, 0.1], quaternion: [1, 0, 0, 0]})"
     )
     assert answer["ok"], answer
-    until(lambda: math.dist(place(page)[:2], (2.0, 1.0)) < 0.2)
+    wait_until(lambda: math.dist(place(page)[:2], (2.0, 1.0)) < 0.2)
     answer = page.evaluate(
         "morse.connection.request({type: 'teleport', node: 'nothing', position: [2, 1, 0], quaternion: [1, 0, 0, 0]})"
     )

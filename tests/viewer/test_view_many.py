@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from view_pages import until
 from view_worlds import mesh_node, sphere
 
 from morse.scene import Material, Scene
 from morse.viewer.snapshot import MovingNode, Snapshot
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -47,7 +47,7 @@ def page(shared_scenes) -> Page:
         shared_scenes.server.publish(Snapshot(1, 1 / 60, shared_scenes.revision, poses, "running", 1.0, 1.0))
         return abs((page.evaluate(PLACE, "ball0") or [0, 0, 0])[2] - 2.3) < 1e-4
 
-    until(newest_is_drawn)
+    wait_until(newest_is_drawn)
     return page
 
 
@@ -74,9 +74,9 @@ def test_each_is_drawn_once_where_it_is(page) -> None:
 
 def test_what_is_behind_is_not_drawn_and_comes_back(page) -> None:
     page.evaluate(STAND, [200.0, 200.0, 2.0])
-    until(lambda: page.evaluate(DRAWN)[1] < 5000)
+    wait_until(lambda: page.evaluate(DRAWN)[1] < 5000)
     page.evaluate(STAND, [-3.0, -3.0, 2.0])
-    until(lambda: page.evaluate(DRAWN)[1] > 10_000)
+    wait_until(lambda: page.evaluate(DRAWN)[1] > 10_000)
 
 
 def test_they_are_selected_by_a_click_however_they_are_drawn(page) -> None:
@@ -88,7 +88,7 @@ def test_they_are_selected_by_a_click_however_they_are_drawn(page) -> None:
             name,
         )
         page.mouse.click(x, y)
-        until(lambda: (page.evaluate("morse.components.selected.value") or "").startswith("ball"))
+        wait_until(lambda: (page.evaluate("morse.components.selected.value") or "").startswith("ball"))
         hit = int(page.evaluate("morse.components.selected.value").removeprefix("ball"))
         number = int(name.removeprefix("ball"))
         # the balls in front of it may hide it: then one of them is selected

@@ -8,12 +8,13 @@ import threading
 from html.parser import HTMLParser
 
 import pytest
-from view_pages import fetch, port_of, until
+from view_pages import fetch, port_of
 from view_simulation import CircleDriver
 from view_worlds import playground
 
 from morse.viewer.notebook import frame, proxy_token
 from morse.viewer.server import ViewServer
+from tests.waiting import wait_until
 
 
 def attributes(html: str) -> dict[str, str | None]:
@@ -141,7 +142,7 @@ def test_the_page_runs_in_a_folder_of_a_proxy(network, open_page) -> None:
         with CircleDriver(server, moving):
             page = open_page(f"http://127.0.0.1:{proxy.port}/user/ada/proxy/1234/?token=secret")
             assert page.evaluate("morse.stage.world.nodes.length") > 3
-            until(lambda: page.evaluate("morse.poses.value !== null"), "poses through the proxy")
+            wait_until(lambda: page.evaluate("morse.poses.value !== null"), "poses through the proxy")
     finally:
         proxy.close()
         server.stop()

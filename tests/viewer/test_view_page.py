@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from PIL import Image
-from view_pages import toasts, until
+from view_pages import toasts
 from view_worlds import playground
 
 from morse.viewer.page_messages import Drag, DragEnd, Teleport
 from morse.viewer.view_messages import Log
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -47,17 +48,17 @@ def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(shown
     page.locator('[data-name="robot2"]').click()
     driver.time = 0.0
     driver.running = False
-    until(lambda: page.evaluate("morse.poses.value?.running === false"))
+    wait_until(lambda: page.evaluate("morse.poses.value?.running === false"))
     page.keyboard.press("c")
     page.keyboard.press("m")
-    until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot2")
+    wait_until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot2")
     page.evaluate("morse.panels.mover.handles.detach()")  # its handles cover the robot
     x, y = place_of(page, "robot2")
     page.mouse.move(x + 12, y + 6)
     page.mouse.down()
     page.mouse.move(x + 80, y - 30, steps=5)
     page.mouse.up()
-    until(lambda: events(driver, Teleport))
+    wait_until(lambda: events(driver, Teleport))
     last = events(driver, Teleport)[-1]
     assert last.node == "robot2"
     assert np.linalg.norm(last.quaternion) == pytest.approx(1.0, abs=1e-4)
@@ -68,7 +69,7 @@ def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(shown
     count = len(events(driver, Teleport))
     driver.pace = 0.0  # a robot that stands where it is clicked, however late
     driver.running = True
-    until(lambda: page.evaluate("morse.poses.value?.running"))
+    wait_until(lambda: page.evaluate("morse.poses.value?.running"))
     page.keyboard.press("3")
     page.keyboard.press("0")
 
@@ -81,11 +82,11 @@ def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(shown
         page.mouse.up()
         return None
 
-    x, y = until(held, "the robot is held")
+    x, y = wait_until(held, "the robot is held")
     page.mouse.move(x + 60, y, steps=4)
-    until(lambda: events(driver, Drag))
+    wait_until(lambda: events(driver, Drag))
     page.mouse.up()
-    until(lambda: events(driver, DragEnd))
+    wait_until(lambda: events(driver, DragEnd))
     assert len(events(driver, Teleport)) == count
     assert np.linalg.norm(events(driver, Drag)[0].anchor) < 1.0
 
@@ -94,15 +95,15 @@ def test_handles_put_things_somewhere(shown) -> None:
     driver, page = shown
     page.locator('[data-name="robot0"]').click()
     page.keyboard.press("m")
-    until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot0")
+    wait_until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot0")
     page.evaluate(
         """() => { const m = morse.panels.mover; m.handles.dragging = true; m.proxy.position.set(1, 2, 3);
         m.handles.dispatchEvent({type: 'mouseUp'}); m.handles.dragging = false }"""
     )
-    until(lambda: events(driver, Teleport))
+    wait_until(lambda: events(driver, Teleport))
     assert events(driver, Teleport)[0].position == pytest.approx((1.0, 2.0, 3.0))
     page.keyboard.press("Escape")
-    until(lambda: page.evaluate("morse.panels.mover.node.value") is None)
+    wait_until(lambda: page.evaluate("morse.panels.mover.node.value") is None)
 
 
 def test_screenshot_film_and_pose_as_code(shown, tmp_path) -> None:
@@ -113,14 +114,14 @@ def test_screenshot_film_and_pose_as_code(shown, tmp_path) -> None:
     pixels = np.asarray(Image.open(tmp_path / "view.png").convert("RGB"))
     assert pixels.std() > 10  # not a blank image
     page.get_by_role("button", name="Film the view").click()
-    until(lambda: page.evaluate("morse.panels.capture.recorder !== null"))
+    wait_until(lambda: page.evaluate("morse.panels.capture.recorder !== null"))
     frames = page.evaluate("morse.stage.frames")
-    until(lambda: page.evaluate("morse.stage.frames") > frames + 5)
+    wait_until(lambda: page.evaluate("morse.stage.frames") > frames + 5)
     with page.expect_download() as film:
         page.get_by_role("button", name="Film the view").click()
     film.value.save_as(tmp_path / "view.webm")
     assert Path(tmp_path / "view.webm").read_bytes()[:4] == b"\x1aE\xdf\xa3"  # EBML, the container of WebM
-    until(lambda: page.locator('[data-name="robot0"]').count() == 1)
+    wait_until(lambda: page.locator('[data-name="robot0"]').count() == 1)
     code = page.evaluate("morse.panels.object.code(morse.world.value.find('ball'))")
     assert code == "ball.translate(-2, 1.5, 0.7)\nball.rotate(0, 0, 0)\n"
 
@@ -131,9 +132,9 @@ def test_the_gamepad_is_told(shown) -> None:
         "navigator.getGamepads = () => [{axes: [0.03, -0.5], buttons: [{pressed: true}]}];"
         "document.hasFocus = () => true"
     )
-    until(lambda: driver.server.gamepad() == ((0.0, -0.5), (True,)))
+    wait_until(lambda: driver.server.gamepad() == ((0.0, -0.5), (True,)))
     page.evaluate("navigator.getGamepads = () => [{axes: [0, 0], buttons: [{pressed: false}]}]")
-    until(lambda: driver.server.gamepad() == ((0.0, 0.0), (False,)))
+    wait_until(lambda: driver.server.gamepad() == ((0.0, 0.0), (False,)))
     page.evaluate("delete navigator.getGamepads; delete document.hasFocus")
 
 
@@ -150,25 +151,25 @@ def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:
     driver.server.send(Log("warning", "<img src=x onerror=alert(1)>", "", 2.0, 1))
     driver.server.send(Log("error", "wheels came off\n  File 'rover.py', line 3", "robot0.lidar", 2.5, 2))
     driver.server.send(Log("warning", "2.0 s lost", time=3.0, place=3, shown=True))
-    until(lambda: lines.count() == 4)
+    wait_until(lambda: lines.count() == 4)
     assert lines.first.inner_text().split() == ["1.50", "robot0", "wheels", "are", "on"]
     assert lines.nth(1).locator("span").inner_text() == "<img src=x onerror=alert(1)>"
-    until(lambda: toasts(page, "error") == ["wheels came off"])
+    wait_until(lambda: toasts(page, "error") == ["wheels came off"])
     assert "2.0 s lost" not in toasts(page)
     mark = page.locator('[data-name="robot0.lidar"] .mark.error')
-    until(lambda: mark.is_visible())
+    wait_until(lambda: mark.is_visible())
     assert page.locator('[data-name="robot0"] .mark').count() == 0
     lines.nth(2).get_by_role("button", name="robot0.lidar").click()
-    until(lambda: "came off" in page.locator(".complaint").inner_text())
+    wait_until(lambda: "came off" in page.locator(".complaint").inner_text())
     driver.server.send(driver.tree())  # as after a reset
-    until(lambda: mark.count() == 0)
+    wait_until(lambda: mark.count() == 0)
 
 
 def test_a_page_that_is_loaded_again_reads_the_log_without_news(running, open_page) -> None:
     driver, url = running
     driver.server.send(Log("error", "wheels came off", "robot0.lidar", 2.5))
     page = open_page(url, **WIDE)
-    until(lambda: page.locator('[data-name="robot0.lidar"] .mark.error').count() == 1)
+    wait_until(lambda: page.locator('[data-name="robot0.lidar"] .mark.error').count() == 1)
     assert toasts(page) == []
     assert page.evaluate("document.querySelectorAll('.log p').length") == 1
 
@@ -183,16 +184,16 @@ def test_small_screens_scroll_nowhere_and_keep_the_view(running, open_page, widt
     assert view["width"] == width
     assert view["height"] > height * 0.6
     page.get_by_role("button", name="Robots and components").click()
-    until(lambda: page.locator('[data-name="robot0"]').is_visible())
+    wait_until(lambda: page.locator('[data-name="robot0"]').is_visible())
     page.get_by_role("button", name="Plots and messages").click()
-    until(lambda: not page.locator('[data-name="robot0"]').is_visible())
+    wait_until(lambda: not page.locator('[data-name="robot0"]').is_visible())
 
 
 def test_twice_the_text_size_still_fits(shown) -> None:
     _, page = shown
     page.set_viewport_size({"width": 1280, "height": 800})
     page.evaluate("document.documentElement.style.fontSize = '28px'")
-    until(lambda: page.evaluate("document.documentElement.scrollWidth") <= 1280)
+    wait_until(lambda: page.evaluate("document.documentElement.scrollWidth") <= 1280)
     view = page.locator("main").bounding_box()
     assert view is not None
     assert view["width"] > 400
@@ -219,8 +220,8 @@ def test_a_browser_without_webgl_is_told(served, open_page) -> None:
     page = open_page(url, wait=False)
     page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
     page.goto(url)
-    until(lambda: "needs WebGL 2" in page.inner_text("body"))
-    until(lambda: not server.watched)  # it drives nothing, either
+    wait_until(lambda: "needs WebGL 2" in page.inner_text("body"))
+    wait_until(lambda: not server.watched)  # it drives nothing, either
 
 
 def test_what_the_script_asks_of_the_view(running, open_page) -> None:
@@ -230,5 +231,5 @@ def test_what_the_script_asks_of_the_view(running, open_page) -> None:
     scene.settings.view.show_framerate = True
     driver.server.set_scene(scene, moving)
     page = open_page(url, **WIDE)
-    until(lambda: driver.server.wishes.images == {"robot2.lidar"})
-    until(lambda: "frames/s" in page.locator(".rate").inner_text())
+    wait_until(lambda: driver.server.wishes.images == {"robot2.lidar"})
+    wait_until(lambda: "frames/s" in page.locator(".rate").inner_text())

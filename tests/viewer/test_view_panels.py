@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from PIL import Image
-from view_pages import toasts, until
+from view_pages import toasts
 from view_worlds import box, mesh_node
 
 from morse.scene import CollisionShape, Scene, ShapeKind
 from morse.viewer.page_messages import Activate, CallService, SetProperty, ToggleCapturing
 from morse.viewer.view_messages import Capturing, Cone, MassCentre, PropertyValue
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -60,11 +61,11 @@ def test_the_tree_lists_robots_components_and_objects(shown) -> None:
         "objects",
     ]
     page.get_by_label("find in the tree").fill("robot1")
-    until(lambda: [item.strip() for item in items.all_inner_texts()] == ["robot1", "lidar"])
+    wait_until(lambda: [item.strip() for item in items.all_inner_texts()] == ["robot1", "lidar"])
     page.get_by_label("find in the tree").fill("crate7")
-    until(lambda: [item.strip() for item in items.all_inner_texts()] == ["objects", "crate7"])
+    wait_until(lambda: [item.strip() for item in items.all_inner_texts()] == ["objects", "crate7"])
     page.get_by_label("find in the tree").fill("nonsense")
-    until(lambda: page.get_by_text("Nothing of that name.").is_visible())
+    wait_until(lambda: page.get_by_text("Nothing of that name.").is_visible())
 
 
 def test_the_tree_is_walked_by_keyboard(shown) -> None:
@@ -72,12 +73,12 @@ def test_the_tree_is_walked_by_keyboard(shown) -> None:
     page.get_by_role("tree").focus()
     page.keyboard.press("ArrowDown")
     page.keyboard.press("ArrowDown")
-    until(lambda: page.evaluate("morse.components.selected.value") == "robot0.lidar")
+    wait_until(lambda: page.evaluate("morse.components.selected.value") == "robot0.lidar")
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowLeft")
-    until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 0)
+    wait_until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 0)
     page.keyboard.press("ArrowRight")
-    until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 1)
+    wait_until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 1)
     assert not any(driver.keys)  # no key drove a robot
 
 
@@ -85,27 +86,27 @@ def test_values_are_shown_live_with_their_units(shown) -> None:
     driver, page = shown
     select(page)
     assert "Measures distances" in page.get_by_label("inspector").inner_text()
-    until(lambda: driver.server.wishes.values == {"robot0.lidar"})
+    wait_until(lambda: driver.server.wishes.values == {"robot0.lidar"})
     rows = page.locator("table.data tr")
     x = rows.filter(has=page.get_by_role("rowheader", name="x", exact=True)).last
     assert x.locator(".unit").inner_text() == "m"
     seen = set()
-    until(lambda: seen.add(x.locator(".value").inner_text()) or len(seen - {"–"}) > 3)
+    wait_until(lambda: seen.add(x.locator(".value").inner_text()) or len(seen - {"–"}) > 3)
     assert all(abs(float(value)) <= 1.0 for value in seen - {"–"})
     texts = page.get_by_label("inspector").inner_text()
     assert "20 values" in texts
     assert "fine" in texts
     page.keyboard.press("Escape")
-    until(lambda: driver.server.wishes.values == frozenset())
+    wait_until(lambda: driver.server.wishes.values == frozenset())
 
 
 def test_a_click_in_the_view_selects(shown) -> None:
     driver, page = shown
     driver.running, driver.time = False, 0.0
-    until(lambda: page.evaluate("morse.poses.value?.running === false"))
-    until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+    wait_until(lambda: page.evaluate("morse.poses.value?.running === false"))
+    wait_until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
     page.mouse.click(*place_of(page, "crate3"))
-    until(lambda: page.evaluate("morse.components.selected.value") == "crate3")
+    wait_until(lambda: page.evaluate("morse.components.selected.value") == "crate3")
     assert page.get_by_role("heading", name="crate3").is_visible()
     for robot in ("robot0", "robot1"):
 
@@ -113,7 +114,7 @@ def test_a_click_in_the_view_selects(shown) -> None:
             page.mouse.click(*place_of(page, robot))  # the view shrinks when the right panel opens
             return str(page.evaluate("morse.components.selected.value")).startswith(robot)
 
-        until(hit)
+        wait_until(hit)
 
 
 def test_properties_are_edited_and_wrong_ones_refused(shown) -> None:
@@ -122,7 +123,7 @@ def test_properties_are_edited_and_wrong_ones_refused(shown) -> None:
     field = page.get_by_label("scan_window")
     field.fill("90.5")
     field.press("Enter")
-    until(
+    wait_until(
         lambda: (
             [(e.component, e.name, e.value) for e in events(driver, SetProperty)]
             == [("robot0.lidar", "scan_window", 90.5)]
@@ -130,11 +131,11 @@ def test_properties_are_edited_and_wrong_ones_refused(shown) -> None:
     )
     field.fill("wide")
     field.press("Enter")
-    until(lambda: page.get_by_role("alert").filter(has_text="given 'wide'").is_visible())
-    until(lambda: field.get_attribute("aria-invalid") == "true")
+    wait_until(lambda: page.get_by_role("alert").filter(has_text="given 'wide'").is_visible())
+    wait_until(lambda: field.get_attribute("aria-invalid") == "true")
     field.fill("30")
     field.press("Enter")
-    until(lambda: field.get_attribute("aria-invalid") == "false")
+    wait_until(lambda: field.get_attribute("aria-invalid") == "false")
     assert not any(driver.keys)  # typing does not drive
 
 
@@ -145,11 +146,11 @@ def test_what_is_true_or_not_is_ticked(shown) -> None:
     assert not box.is_checked()
     box.focus()
     page.keyboard.press("Space")
-    until(lambda: [(e.name, e.value) for e in events(driver, SetProperty)] == [("upside_down", True)])
+    wait_until(lambda: [(e.name, e.value) for e in events(driver, SetProperty)] == [("upside_down", True)])
     driver.server.send(PropertyValue("robot0.lidar", "upside_down", False))
-    until(lambda: not box.is_checked())
+    wait_until(lambda: not box.is_checked())
     near = page.locator("table.data tr").filter(has=page.get_by_role("rowheader", name="near", exact=True))
-    until(lambda: near.locator(".value").inner_text() == "none")
+    wait_until(lambda: near.locator(".value").inner_text() == "none")
 
 
 def test_services_are_called_with_arguments_and_their_results_shown(shown) -> None:
@@ -159,21 +160,21 @@ def test_services_are_called_with_arguments_and_their_results_shown(shown) -> No
     add.get_by_label("a", exact=True).fill("2")
     add.get_by_label("b", exact=True).fill("0.5")
     add.get_by_role("button", name="call").click()
-    until(lambda: add.locator(".result").inner_text() == "2.500")
+    wait_until(lambda: add.locator(".result").inner_text() == "2.500")
     assert events(driver, CallService)[0].arguments == [2, 0.5]
     add.get_by_label("b", exact=True).fill("")
     add.get_by_role("button", name="call").click()
-    until(lambda: add.locator(".result").inner_text() == "2")  # an empty argument uses its default
+    wait_until(lambda: add.locator(".result").inner_text() == "2")  # an empty argument uses its default
     fail = page.get_by_role("form", name="fail", exact=True)
     fail.get_by_role("button", name="call").click()
-    until(lambda: "no power" in fail.locator(".result").inner_text())
+    wait_until(lambda: "no power" in fail.locator(".result").inner_text())
     goto = page.get_by_role("form", name="goto", exact=True)
     goto.get_by_role("button", name="call").click()
     goto.get_by_role("button", name="stop").click()
-    until(lambda: goto.locator(".result").inner_text() == "PREEMPTED")
+    wait_until(lambda: goto.locator(".result").inner_text() == "PREEMPTED")
     page.get_by_label("active").uncheck()
-    until(lambda: [(e.component, e.active) for e in events(driver, Activate)] == [("robot0.lidar", False)])
-    until(lambda: "asleep" in (page.locator('[data-name="robot0.lidar"]').get_attribute("class") or ""))
+    wait_until(lambda: [(e.component, e.active) for e in events(driver, Activate)] == [("robot0.lidar", False)])
+    wait_until(lambda: "asleep" in (page.locator('[data-name="robot0.lidar"]').get_attribute("class") or ""))
 
 
 # plots ---------------------------------------------------------------------------------------------------
@@ -183,15 +184,15 @@ def test_fields_are_dragged_into_plots_and_kept_as_files(shown, tmp_path) -> Non
     driver, page = shown
     select(page)
     page.get_by_role("button", name="Plots and messages").click()
-    until(lambda: page.evaluate("morse.components.valuesOf('robot0.lidar') !== null"))
+    wait_until(lambda: page.evaluate("morse.components.valuesOf('robot0.lidar') !== null"))
     source = page.get_by_role("rowheader", name="x", exact=True)
     source.drag_to(page.get_by_label("plots", exact=True))
-    until(lambda: page.locator("figure.plot").count() == 1)
+    wait_until(lambda: page.locator("figure.plot").count() == 1)
     page.get_by_role("rowheader", name="position", exact=True).last.drag_to(page.locator("figure.plot"))
-    until(lambda: page.locator(".legend li").count() == 4)
+    wait_until(lambda: page.locator(".legend li").count() == 4)
     select(page, "robot1")  # plotted values are still received
-    until(lambda: driver.server.wishes.values == {"robot0.lidar", "robot1.lidar"})
-    until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 40)
+    wait_until(lambda: driver.server.wishes.values == {"robot0.lidar", "robot1.lidar"})
+    wait_until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 40)
     page.get_by_role("button", name="Hold").click()
     with page.expect_download() as table:
         page.get_by_role("button", name="CSV").click()
@@ -206,7 +207,7 @@ def test_fields_are_dragged_into_plots_and_kept_as_files(shown, tmp_path) -> Non
     picture.value.save_as(tmp_path / "plot.png")
     assert Image.open(tmp_path / "plot.png").width > 100
     page.locator("figure.plot").get_by_role("button", name="Close").click()
-    until(lambda: driver.server.wishes.values == {"robot1.lidar"})
+    wait_until(lambda: driver.server.wishes.values == {"robot1.lidar"})
 
 
 def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(shown) -> None:
@@ -219,16 +220,16 @@ def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(shown) -> None
         f"robot0.lidar.{name} has no value yet…" for name in ("x", "note", "points")
     ]
     driver.measures = True
-    until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 3)
+    wait_until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 3)
     # a field without numbers is removed, with a message
-    until(lambda: page.locator("figure.plot").count() == page.locator(".legend li").count() == 1)
-    until(lambda: len(toasts(page)) == 2)
+    wait_until(lambda: page.locator("figure.plot").count() == page.locator(".legend li").count() == 1)
+    wait_until(lambda: len(toasts(page)) == 2)
     assert toasts(page) == [
         "robot0.lidar.note cannot be plotted: it is not a number.",
         "robot0.lidar.points cannot be plotted: 20 values.",
     ]
     page.get_by_role("rowheader", name="image", exact=True).last.press("Enter")  # its value stays null
-    until(lambda: page.locator("figure.plot").count() == 2)
+    wait_until(lambda: page.locator("figure.plot").count() == 2)
     assert page.locator(".legend").last.inner_text() == "robot0.lidar.image has no value yet…"
 
 
@@ -236,18 +237,18 @@ def test_plots_take_the_colours_of_the_theme(shown) -> None:
     _, page = shown
     select(page)
     page.get_by_role("rowheader", name="x", exact=True).last.press("Enter")
-    until(lambda: page.evaluate("morse.panels.plots.plots[0]?.times.length > 3"))
+    wait_until(lambda: page.evaluate("morse.panels.plots.plots[0]?.times.length > 3"))
     stroke = "morse.panels.plots.plots[0].chart.axes[1].grid.stroke()"
     line = "getComputedStyle(document.documentElement).getPropertyValue('--line')"
     light = page.evaluate(stroke)
     assert light == page.evaluate(line)
     page.get_by_role("button", name="Light or dark").click()
-    until(lambda: page.evaluate(stroke) == page.evaluate(line) != light)
+    wait_until(lambda: page.evaluate(stroke) == page.evaluate(line) != light)
     newest = page.evaluate("morse.panels.plots.plots[0].times.at(-1)")
-    until(lambda: page.evaluate("morse.panels.plots.plots[0].times.at(-1)") > newest)
+    wait_until(lambda: page.evaluate("morse.panels.plots.plots[0].times.at(-1)") > newest)
     assert page.evaluate("morse.panels.plots.plots[0].times[0]") < newest  # nothing was lost
     page.get_by_role("button", name="Light or dark").click()
-    until(lambda: page.evaluate(stroke) == light)
+    wait_until(lambda: page.evaluate(stroke) == light)
 
 
 # overlays of sensors -------------------------------------------------------------------------------------
@@ -262,9 +263,9 @@ def test_rays_are_asked_for_and_drawn_where_they_are(shown) -> None:
     assert driver.server.wishes.overlays == frozenset()
     page.locator("summary[title=view]").click()
     page.get_by_label("rays and points").check()
-    until(lambda: driver.server.wishes.overlays == {"robot0.lidar", "robot1.lidar", "robot2.lidar"})
+    wait_until(lambda: driver.server.wishes.overlays == {"robot0.lidar", "robot1.lidar", "robot2.lidar"})
     rays = "morse.panels.layers.list.find(l => l.id === 'rays').drawn.get('robot1.lidar')"
-    until(lambda: page.evaluate(f"!!{rays}"))
+    wait_until(lambda: page.evaluate(f"!!{rays}"))
     ends = np.array(page.evaluate(f"[...{rays}.beams.geometry.attributes.position.array]")).reshape(61, 2, 3)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     # every second ray has a hit
@@ -273,8 +274,8 @@ def test_rays_are_asked_for_and_drawn_where_they_are(shown) -> None:
     assert np.hypot(ends[0, 0, 0], ends[0, 0, 1]) == pytest.approx(3.0, abs=1e-3)
     assert page.evaluate(f"{rays}.hits.geometry.attributes.position.count") == 30
     page.get_by_label("rays and points").uncheck()
-    until(lambda: driver.server.wishes.overlays == frozenset())
-    until(lambda: page.evaluate("morse.panels.layers.list.find(l => l.id === 'rays').root.children.length") == 0)
+    wait_until(lambda: driver.server.wishes.overlays == frozenset())
+    wait_until(lambda: page.evaluate("morse.panels.layers.list.find(l => l.id === 'rays').root.children.length") == 0)
 
 
 def test_contacts_cones_frames_names_trails_and_masses(running, open_page) -> None:
@@ -284,13 +285,13 @@ def test_contacts_cones_frames_names_trails_and_masses(running, open_page) -> No
     page = open_page(url, **WIDE)
     for name in ("contacts", "cones", "frames", "names", "trails", "masses"):
         layer(page, name)
-    until(lambda: "contacts" in driver.server.wishes.overlays)
+    wait_until(lambda: "contacts" in driver.server.wishes.overlays)
     part = "morse.panels.layers.list.find(l => l.id === '{}').root.children".format
-    until(lambda: page.evaluate(part("contacts") + "[0].geometry.attributes.position.count") == 1)
-    until(lambda: page.evaluate(part("cones") + "[0]?.name") == "robot1.lidar")
-    until(lambda: page.evaluate(part("frames") + ".length") == 6)
-    until(lambda: page.locator(".names span").all_inner_texts() == ["robot0", "robot1", "robot2"])
-    until(lambda: page.evaluate(part("trails") + "[0].geometry.drawRange.count") > 5)
+    wait_until(lambda: page.evaluate(part("contacts") + "[0].geometry.attributes.position.count") == 1)
+    wait_until(lambda: page.evaluate(part("cones") + "[0]?.name") == "robot1.lidar")
+    wait_until(lambda: page.evaluate(part("frames") + ".length") == 6)
+    wait_until(lambda: page.locator(".names span").all_inner_texts() == ["robot0", "robot1", "robot2"])
+    wait_until(lambda: page.evaluate(part("trails") + "[0].geometry.drawRange.count") > 5)
     # in one question: the trail grows meanwhile
     drawn = "(({ drawRange, attributes }) => [...attributes.position.array.slice(0, 3 * drawRange.count)])"
     dots = page.evaluate(f"{drawn}({part('trails')}[0].geometry)")
@@ -300,10 +301,10 @@ def test_contacts_cones_frames_names_trails_and_masses(running, open_page) -> No
     assert radius.max() < 2.001
     assert np.count_nonzero(radius > 1.999) >= 2
     assert np.linalg.norm(np.diff(trail, axis=0), axis=1).max() < 0.07
-    until(lambda: page.evaluate(part("masses") + "[0].position.z") == pytest.approx(1.25))
+    wait_until(lambda: page.evaluate(part("masses") + "[0].position.z") == pytest.approx(1.25))
     page.reload()
-    until(lambda: page.evaluate("!!window.morse?.world.value"))
-    until(lambda: page.evaluate(part("frames") + ".length") == 6)  # restored
+    wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
+    wait_until(lambda: page.evaluate(part("frames") + ".length") == 6)  # restored
 
 
 def test_collision_shapes_are_shown_when_the_script_says_so(scenes) -> None:
@@ -320,13 +321,13 @@ def test_collision_shapes_are_shown_when_the_script_says_so(scenes) -> None:
     scene = Scene("s", roots=[mesh_node("box", box("b"), (5, 0, 0), shapes=shapes)])
     scene.settings.view.show_physics = True
     page = scenes.show(scene)
-    until(lambda: page.evaluate("morse.panels.layers.list.find(l => l.id === 'shapes').root.children.length") == 6)
+    wait_until(lambda: page.evaluate("morse.panels.layers.list.find(l => l.id === 'shapes').root.children.length") == 6)
     measure = """morse.panels.layers.list.find(l => l.id === 'shapes').root.children.map(c => {
         c.updateWorldMatrix(true, false);
         c.geometry.computeBoundingBox(); const b = c.geometry.boundingBox.clone().applyMatrix4(c.matrixWorld);
         return [...b.min.toArray(), ...b.max.toArray()] })"""
     # their positions are set when they are first drawn
-    until(lambda: page.evaluate(measure)[0] == pytest.approx([4.5, -1, 0.75, 5.5, 1, 1.25]))
+    wait_until(lambda: page.evaluate(measure)[0] == pytest.approx([4.5, -1, 0.75, 5.5, 1, 1.25]))
     sizes = page.evaluate(measure)
     assert sizes[1] == pytest.approx([4.5, -0.5, -0.5, 5.5, 0.5, 0.5], abs=0.01)
     assert sizes[2] == pytest.approx([4.5, -0.5, -1, 5.5, 0.5, 1], abs=0.01)
@@ -338,25 +339,25 @@ def test_collision_shapes_are_shown_when_the_script_says_so(scenes) -> None:
 def test_what_a_camera_sees(shown) -> None:
     driver, page = shown
     select(page)
-    until(lambda: driver.server.wishes.images == {"robot0.lidar"})
+    wait_until(lambda: driver.server.wishes.images == {"robot0.lidar"})
     page.keyboard.press("v")
-    until(lambda: driver.server.wishes.images == frozenset())
+    wait_until(lambda: driver.server.wishes.images == frozenset())
     page.keyboard.press("v")
-    until(lambda: driver.server.wishes.images == {"robot0.lidar"})
+    wait_until(lambda: driver.server.wishes.images == {"robot0.lidar"})
     pixel = "[...document.querySelector('.image canvas').getContext('2d').getImageData({}, {}, 1, 1).data]".format
-    until(lambda: page.evaluate(pixel(63, 47))[:2] == [252, 235])
+    wait_until(lambda: page.evaluate(pixel(63, 47))[:2] == [252, 235])
     assert page.evaluate(pixel(0, 0))[:2] == [0, 0]
     assert page.evaluate(pixel(10, 20))[:2] == [40, 100]
     driver.server.send(Capturing(False))
-    until(lambda: "stopped" in (page.locator(".images").get_attribute("class") or ""))
+    wait_until(lambda: "stopped" in (page.locator(".images").get_attribute("class") or ""))
     page.keyboard.press("Space")
-    until(lambda: len(events(driver, ToggleCapturing)) == 1)
+    wait_until(lambda: len(events(driver, ToggleCapturing)) == 1)
     page.get_by_role("button", name="Let the cameras take pictures").click()
-    until(lambda: len(events(driver, ToggleCapturing)) == 2)
+    wait_until(lambda: len(events(driver, ToggleCapturing)) == 2)
     driver.server.send(Capturing(True))
-    until(lambda: page.get_by_role("button", name="Stop the cameras").is_visible())
+    wait_until(lambda: page.get_by_role("button", name="Stop the cameras").is_visible())
     page.keyboard.press("v")
-    until(lambda: driver.server.wishes.images == frozenset())
+    wait_until(lambda: driver.server.wishes.images == frozenset())
 
 
 # the viewpoint -------------------------------------------------------------------------------------------
@@ -369,36 +370,36 @@ def test_following_a_robot(shown) -> None:
     ahead = """(() => { const n = morse.world.value.find('robot1').frame; const v = n.position.clone().set(1, 0, 0);
         return v.transformDirection(n.matrixWorld).dot(morse.stage.view.ahead) })()"""
     page.keyboard.press("1")
-    until(lambda: page.evaluate("morse.follow.mode.value") == "third")
-    until(lambda: page.evaluate(apart) < 7 and page.evaluate(ahead) > 0.7)
+    wait_until(lambda: page.evaluate("morse.follow.mode.value") == "third")
+    wait_until(lambda: page.evaluate(apart) < 7 and page.evaluate(ahead) > 0.7)
     page.keyboard.press("2")
-    until(lambda: page.evaluate(apart) < 1.5 and page.evaluate(ahead) > 0.98)
+    wait_until(lambda: page.evaluate(apart) < 1.5 and page.evaluate(ahead) > 0.98)
     page.keyboard.press("3")
-    until(lambda: page.evaluate("morse.stage.view.pitch") < -1.4)
+    wait_until(lambda: page.evaluate("morse.stage.view.pitch") < -1.4)
     page.keyboard.down("w")
-    until(lambda: page.evaluate("morse.follow.mode.value") == "free")
+    wait_until(lambda: page.evaluate("morse.follow.mode.value") == "free")
     page.keyboard.up("w")
     driver.running = False  # the camera does not follow a robot that drives on
-    until(lambda: page.evaluate("morse.poses.value.running === false"))
+    wait_until(lambda: page.evaluate("morse.poses.value.running === false"))
     page.locator("summary[title=view]").click()
     page.get_by_role("button", name="side").click()
     # the camera flies there
-    until(lambda: page.evaluate(apart) < 12 and abs(page.evaluate(ahead)) < 0.4)
+    wait_until(lambda: page.evaluate(apart) < 12 and abs(page.evaluate(ahead)) < 0.4)
 
 
 def test_the_camera_is_remembered_and_forgotten(running, open_page) -> None:
     _, url = running
     page = open_page(url, **WIDE)
     page.keyboard.down("r")
-    until(lambda: page.evaluate("morse.stage.view.position.z") > 9)
+    wait_until(lambda: page.evaluate("morse.stage.view.position.z") > 9)
     page.keyboard.up("r")
-    until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+    wait_until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
     height = page.evaluate("morse.stage.view.position.z")
     page.reload()
-    until(lambda: page.evaluate("!!window.morse?.world.value"))
-    until(lambda: page.evaluate("morse.stage.view.position.z") == pytest.approx(height))
+    wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
+    wait_until(lambda: page.evaluate("morse.stage.view.position.z") == pytest.approx(height))
     page.keyboard.press("F8")
-    until(lambda: page.evaluate("morse.stage.view.position.z") == pytest.approx(8.0))
+    wait_until(lambda: page.evaluate("morse.stage.view.position.z") == pytest.approx(8.0))
     page.reload()
-    until(lambda: page.evaluate("!!window.morse?.world.value"))
+    wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
     assert page.evaluate("morse.stage.view.position.z") == pytest.approx(8.0)

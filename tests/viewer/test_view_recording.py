@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from view_pages import toasts, until
+from view_pages import toasts
 
 from morse.recording.recording import Recording
 from morse.viewer.page_messages import CallService
 from morse.viewer.view_messages import Answer, RecordingDescription, Recordings
+from tests.waiting import wait_until
 
 WIDE = {"width": 1200, "height": 700}
 SIZE = WIDE  # of the page that tests share
@@ -22,7 +23,7 @@ class TestPage:
 
     def call(self, driver: Any, count: int) -> CallService:
         """Wait for so many calls of services, and return the last one."""
-        calls = until(
+        calls = wait_until(
             lambda: (found := [e for e in driver.events if isinstance(e, CallService)])[count - 1 :] and found,
             f"{count} calls",
         )
@@ -42,17 +43,17 @@ class TestPage:
         server.send(Recordings([RecordingDescription(path, 61.5, 1_250_000, stoppable=True)]))
         server.send(Answer(call.request, True, path))
         line = page.locator(".recording.on")
-        until(lambda: line.is_visible() and "1:01.50 · 1.3 MB" in line.inner_text())
+        wait_until(lambda: line.is_visible() and "1:01.50 · 1.3 MB" in line.inner_text())
         assert "recording.mcap" in line.inner_text()
         line.get_by_role("button", name="Stop recording").focus()
         server.send(Recordings([RecordingDescription(path, 62.0, 2_500_000_000, stoppable=True)]))
-        until(lambda: "1:02.00 · 2.5 GB" in line.inner_text())
+        wait_until(lambda: "1:02.00 · 2.5 GB" in line.inner_text())
         page.keyboard.press("Enter")  # the button keeps the focus while the numbers change
         call = self.call(driver, 2)
         assert call.service == "stop_recording"
         server.send(Answer(call.request, True, path))
         server.send(Recordings([]))
-        until(lambda: path in page.locator(".recordings").inner_text() and not line.is_visible())
+        wait_until(lambda: path in page.locator(".recordings").inner_text() and not line.is_visible())
         page.locator(".recordings").get_by_role("button", name="Close").click()
         assert page.locator(".recording").count() == 0
 
@@ -62,16 +63,16 @@ class TestPage:
         page.get_by_role("button", name="Record the run").click()
         refusal = "/full/recording.mcap cannot be written: No space left on device"
         driver.server.send(Answer(self.call(driver, 1).request, False, error=refusal))
-        until(lambda: refusal in "".join(toasts(page, "error")))
+        wait_until(lambda: refusal in "".join(toasts(page, "error")))
 
     def test_a_recording_of_the_command_line_has_no_button_to_stop_it(self, shown) -> None:
         driver, page = shown
         driver.server.send(Recordings([RecordingDescription("/a/run.mcap", 1.0, 500, stoppable=False)]))
-        until(lambda: "run.mcap" in page.locator(".recording.on").inner_text())
+        wait_until(lambda: "run.mcap" in page.locator(".recording.on").inner_text())
         assert "500 B" in page.locator(".recording.on").inner_text()
         assert not page.get_by_role("button", name="Stop recording").is_visible()
         driver.server.send(Recordings([], possible=False))  # a replay
-        until(lambda: not page.get_by_role("button", name="Record the run").is_visible())
+        wait_until(lambda: not page.get_by_role("button", name="Record the run").is_visible())
         driver.server.send(Recordings([]))
         page.locator(".recordings").get_by_role("button", name="Close").click()
 

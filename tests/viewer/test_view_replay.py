@@ -8,11 +8,12 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from view_pages import Client, until
+from view_pages import Client
 
 import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -156,17 +157,17 @@ def test_the_time_line_of_a_real_page(view: ReplayView, open_page: Callable[...,
     try:
         page = open_page(view.url)
         slider = page.get_by_label("go back in time")
-        until(slider.is_visible, "a time line")
-        until(lambda: view._timeline.position == TICKS, "the end of the run", limit=60.0)
+        wait_until(slider.is_visible, "a time line")
+        wait_until(lambda: view._timeline.position == TICKS, "the end of the run", limit=60.0)
         slider.focus()
         slider.press("Home")
-        until(lambda: view._timeline.position == 0, "a jump to the beginning")
+        wait_until(lambda: view._timeline.position == 0, "a jump to the beginning")
         slider.fill("90")
-        until(lambda: view._timeline.position == 90, "a jump ahead")
+        wait_until(lambda: view._timeline.position == 90, "a jump ahead")
         label = page.get_by_label("time that is gone back to")
-        until(lambda: label.inner_text() == "0:01.50 / 0:02.00", "the time of the picture")
+        wait_until(lambda: label.inner_text() == "0:01.50 / 0:02.00", "the time of the picture")
         page.get_by_role("button", name="Play backward").click()
-        until(lambda: view._timeline.position == 0, "the beginning of the run")
+        wait_until(lambda: view._timeline.position == 0, "the beginning of the run")
         assert slider.is_visible()
     finally:
         view.end()

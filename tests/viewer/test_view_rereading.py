@@ -6,10 +6,11 @@ import re
 from typing import TYPE_CHECKING
 
 import pytest
-from view_pages import Client, until
+from view_pages import Client
 
 from morse.testing.process import SimulationProcess
 from pymorse import Morse
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,7 +50,7 @@ class Edited:
         with Client(self.url) as page:
             page.expect("seat", pages=1)
             page.send("reset")
-            until(lambda: len(self.addresses()) > times, limit=60.0)
+            wait_until(lambda: len(self.addresses()) > times, limit=60.0)
 
     def x(self, robot: str = "rover") -> float:
         """The position of the robot, requested over the last port in the log."""
@@ -85,7 +86,7 @@ def test_a_script_with_a_mistake_is_not_taken(edited: Edited) -> None:
         page.expect("seat", pages=1)
         page.send("reset")
         told = ("the edited scene cannot be loaded", "ATVR", "scene.py:5", "ATRV")
-        until(lambda: all(text in edited.log() for text in told), limit=60.0)
+        wait_until(lambda: all(text in edited.log() for text in told), limit=60.0)
     assert edited.x() == pytest.approx(1.0, abs=0.01)
     assert len(edited.addresses()) == 1
 

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from view_pages import Client, DeadPage, fetch, port_of, until
+from view_pages import Client, DeadPage, fetch, port_of
 from view_worlds import box, mesh_node
 from websockets.exceptions import ConnectionClosed
 
@@ -23,6 +23,7 @@ from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot
 from morse.viewer.view_messages import Answer, Appearance, Listening, Log, Rays, Values
+from tests.waiting import wait_until
 
 
 def one_box() -> tuple[Scene, list[MovingNode]]:
@@ -77,7 +78,7 @@ def test_watched_only_while_a_page_is_there(served) -> None:
     with Client(url) as page:
         assert page.expect("welcome")["version"] == VERSION
         assert server.watched
-    until(lambda: not server.watched)
+    wait_until(lambda: not server.watched)
 
 
 def test_a_world_counts_as_drawn_when_a_page_has_said_so(served) -> None:
@@ -86,8 +87,8 @@ def test_a_world_counts_as_drawn_when_a_page_has_said_so(served) -> None:
         page.expect("welcome")
         assert not server.drawn
         page.send("shown")
-        until(lambda: server.drawn)
-    until(lambda: not server.drawn)
+        wait_until(lambda: server.drawn)
+    wait_until(lambda: not server.drawn)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +169,7 @@ def test_stopping_does_not_wait_for_a_page_that_is_dead() -> None:
     server = ViewServer(network, port=0)
     url = server.start()
     with DeadPage(url), socket.create_connection(("127.0.0.1", port_of(url))):
-        until(lambda: server.watched)
+        wait_until(lambda: server.watched)
         began = time.monotonic()
         server.stop()
         network.stop()
@@ -184,7 +185,7 @@ def test_poses_reach_the_page(served) -> None:
     with Client(url) as page:
         page.expect("world", revision=1)
         server.publish(snapshot(5))
-        until(lambda: (page.receive(), page.poses)[1])
+        wait_until(lambda: (page.receive(), page.poses)[1])
         kind, revision, count, running, tick, simulated, speed, factor, poses = page.poses[0]
     assert (kind, revision, count, running, tick, simulated) == (1, 1, 1, 1, 5.0, 5 / 60)
     assert (speed, factor) == (1.0, pytest.approx(0.97))
@@ -248,14 +249,14 @@ def test_a_slow_page_sees_less_not_later_and_the_tick_does_not_wait(served) -> N
         for tick in range(1, 101):
             server.send(Values("robot.pose", tick / 60, {"x": tick}))
             server.publish(snapshot(tick, "paused"))
-            until(lambda: (quick.receive(), quick.poses and quick.poses[-1][4] == tick)[1])  # noqa: B023
+            wait_until(lambda: (quick.receive(), quick.poses and quick.poses[-1][4] == tick)[1])  # noqa: B023
             quick.send("taken", count=len(quick.poses))
         assert len(quick.poses) == 100
         server.send(Log("info", "end"))
         slow.expect("log", text="end")
         assert len(slow.poses) <= 15
         slow.send("taken", count=len(slow.poses))
-        until(lambda: (slow.receive(), slow.poses[-1][4] == 100)[1])
+        wait_until(lambda: (slow.receive(), slow.poses[-1][4] == 100)[1])
         assert len(slow.poses) <= 16
 
 
@@ -285,7 +286,7 @@ def test_snapshots_faster_than_any_screen_are_left_out(served, monkeypatch) -> N
             shown = server._last_shown
             server.publish(snapshot(tick))
             if server._last_shown != shown:
-                until(lambda: (page.receive(), page.poses and page.poses[-1][4] == tick)[1])  # noqa: B023
+                wait_until(lambda: (page.receive(), page.poses and page.poses[-1][4] == tick)[1])  # noqa: B023
         assert 118 <= len(page.poses) <= 126
 
 
@@ -312,12 +313,12 @@ def test_payloads_and_wishes(served) -> None:
     with Client(url) as one, Client(url) as two:
         one.send("watch", values=["a"], overlays=["lidar"])
         two.send("watch", values=["b"], images=["camera"])
-        until(lambda: server.wishes.values == {"a", "b"} and server.wishes.images == {"camera"})
+        wait_until(lambda: server.wishes.values == {"a", "b"} and server.wishes.images == {"camera"})
         assert server.wishes.overlays == {"lidar"}
         rays = np.arange(14, dtype="<f4")
         server.send(Rays(component="lidar", payload=rays.tobytes()))
         assert np.frombuffer(two.expect("rays", component="lidar")["payload"], "<f4").tolist() == rays.tolist()
-    until(lambda: server.wishes.values == frozenset())
+    wait_until(lambda: server.wishes.values == frozenset())
 
 
 # control -------------------------------------------------------------------------------------------------
@@ -331,10 +332,10 @@ def test_events_of_the_driving_page_reach_the_simulation(served, patient) -> Non
         page.send("step", count=3)
         page.send("set_speed", factor=None)
         page.send("drag", node="box", anchor=[0, 0, 0], target=[1, 2, 3])
-        until(lambda: len(server._hub.events) == 4)
+        wait_until(lambda: len(server._hub.events) == 4)
         events = server.take_events()
         assert events == [Pause(), Step(3), SetSpeed(None), Drag("box", (0.0, 0.0, 0.0), (1.0, 2.0, 3.0))]
-    until(lambda: not server.watched)
+    wait_until(lambda: not server.watched)
     assert server.take_events() == [DragEnd()]
     assert server.take_events() == []
 
@@ -361,16 +362,16 @@ def test_answers_go_to_the_page_that_asked_under_its_own_number(served) -> None:
     with Client(url) as one, Client(url) as two:
         one.expect("seat", pages=2)
         one.send("call_service", request=1, component="a", service="s", arguments=[1, "x"])
-        first = until(server.take_events)[0]
+        first = wait_until(server.take_events)[0]
         assert isinstance(first, CallService)
         assert (first.component, first.service, first.arguments) == ("a", "s", [1, "x"])
         one.send("hand_over", to=2)
         two.expect("seat", driver=2)
         two.send("call_service", request=1, component="b", service="s")
-        second = next(e for e in until(server.take_events) if isinstance(e, CallService))
+        second = next(e for e in wait_until(server.take_events) if isinstance(e, CallService))
         assert first.request != second.request
         two.send("cancel_service", request=1)
-        assert until(server.take_events)[-1].request == second.request
+        assert wait_until(server.take_events)[-1].request == second.request
         server.send(Answer(second.request, ok=True, value="second"))
         server.send(Answer(first.request, ok=False, error="first"))
         server.send(Answer(first.request, ok=True, value="once more"))
@@ -385,14 +386,14 @@ def test_keys_are_held_until_released_hidden_or_gone(served, patient) -> None:
     with Client(url) as page:
         page.expect("welcome")
         page.send("keys", held=["ArrowUp"])
-        until(lambda: server.held_keys() == {"ArrowUp"})
+        wait_until(lambda: server.held_keys() == {"ArrowUp"})
         page.send("keys", held=["ArrowUp", "ArrowLeft"])
-        until(lambda: server.held_keys() == {"ArrowUp", "ArrowLeft"})
+        wait_until(lambda: server.held_keys() == {"ArrowUp", "ArrowLeft"})
         page.send("keys", held=[])
-        until(lambda: server.held_keys() == frozenset())
+        wait_until(lambda: server.held_keys() == frozenset())
         page.send("keys", held=["ArrowUp"])
-        until(lambda: server.held_keys() == {"ArrowUp"})
-    until(lambda: server.held_keys() == frozenset())
+        wait_until(lambda: server.held_keys() == {"ArrowUp"})
+    wait_until(lambda: server.held_keys() == frozenset())
 
 
 def test_a_page_that_falls_silent_lets_go(served) -> None:
@@ -402,7 +403,7 @@ def test_a_page_that_falls_silent_lets_go(served) -> None:
     with Client(url) as page:
         page.expect("welcome")
         page.send("keys", held=["ArrowUp"])
-        until(lambda: server.held_keys() == {"ArrowUp"})
+        wait_until(lambda: server.held_keys() == {"ArrowUp"})
         page.send("drag", node="box", anchor=[0, 0, 0], target=[1, 2, 3])
         events: list[object] = []
 
@@ -410,7 +411,7 @@ def test_a_page_that_falls_silent_lets_go(served) -> None:
             events.extend(server.take_events())
             return bool(events)
 
-        until(over)
+        wait_until(over)
         now[0] += 0.9 * DEAD_MAN
         over()
         assert server.held_keys() == {"ArrowUp"}

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from view_pages import fetch, until
+from view_pages import fetch
 
 import morse
 from morse.viewer.feeds.sensors import SoundsFeed, read_sound
 from morse.viewer.view_messages import SoundState
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -110,7 +111,7 @@ def test_sounds_need_the_token_like_everything_else(make_server) -> None:
     server, url = make_server(token="secret")
     address = server.offer("sounds", "audio/wav", sine())
     base, _, query = url.partition("?")
-    until(lambda: fetch(f"{base.rstrip('/')}{address}?{query}")[0] == 200)
+    wait_until(lambda: fetch(f"{base.rstrip('/')}{address}?{query}")[0] == 200)
     assert fetch(f"{base.rstrip('/')}{address}")[0] == 403
     assert fetch(f"{base.rstrip('/')}{address}?{query}")[2] == sine()
 
@@ -127,25 +128,27 @@ class TestPage:
         assert not button.is_visible()  # no robot has a loudspeaker
         address = server.offer("sounds", "audio/wav", sine())
         server.send(SoundState("robot0", "play", address, 0.0, 0.0))
-        until(button.is_visible)
+        wait_until(button.is_visible)
         assert page.evaluate("morse.panels.sounds.context === null")  # browsers demand a gesture
         button.click()
-        until(lambda: page.evaluate("morse.panels.sounds.audible && morse.panels.sounds.voices.get('robot0').playing"))
+        wait_until(
+            lambda: page.evaluate("morse.panels.sounds.audible && morse.panels.sounds.voices.get('robot0').playing")
+        )
         ear = "(() => { const l = morse.panels.sounds.context.listener, p = morse.stage.view.position;"
         ear += " return Math.hypot(l.positionX.value - p.x, l.positionY.value - p.y, l.positionZ.value - p.z) })()"
-        until(lambda: page.evaluate(ear) < 1e-3)
+        wait_until(lambda: page.evaluate(ear) < 1e-3)
         volume = "morse.panels.sounds.output.gain.value"
-        until(lambda: page.evaluate(volume) > 0.9)
+        wait_until(lambda: page.evaluate(volume) > 0.9)
         driver.running = False  # time stands still: so does the sound
-        until(lambda: page.evaluate(volume) < 0.1)
+        wait_until(lambda: page.evaluate(volume) < 0.1)
         driver.running = True
-        until(lambda: page.evaluate(volume) > 0.9)
+        wait_until(lambda: page.evaluate(volume) > 0.9)
         page.get_by_role("button", name="Mute").click()
-        until(lambda: page.evaluate(volume) < 0.1)
+        wait_until(lambda: page.evaluate(volume) < 0.1)
         server.send(SoundState("robot0", "stop", address, 0.0, 1.0))
-        until(lambda: not page.evaluate("morse.panels.sounds.voices.get('robot0').playing"))
+        wait_until(lambda: not page.evaluate("morse.panels.sounds.voices.get('robot0').playing"))
         page.reload()
-        until(lambda: page.evaluate("!!window.morse?.world.value"))
+        wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
         page.keyboard.press("c")
         assert page.evaluate("morse.panels.sounds.context === null")  # it stays muted
 
@@ -154,7 +157,7 @@ class TestPage:
         driver.server.send(SoundState("robot0", "play", None, 0.0, 0.0))
         page = open_page(url)
         page.locator("main > canvas").click()
-        until(lambda: page.evaluate("morse.panels.sounds.voices.size") == 1)
+        wait_until(lambda: page.evaluate("morse.panels.sounds.voices.size") == 1)
         levels = [
             page.evaluate(
                 """async (distance) => {

@@ -13,12 +13,12 @@ from random import Random
 from typing import Any
 
 import pytest
-from view_pages import until
 
 import morse as simulator
 from morse.cli.app import execute
 from morse.viewer.exported_page import Tape, page_of
 from morse.viewer.view_messages import History, Picture, Values
+from tests.waiting import wait_until
 
 SCENE = """
 from morse.builder import *
@@ -57,22 +57,22 @@ def test_a_page_plays_a_run_without_a_server(folder: Path, browser: Any) -> None
     page.on("request", lambda request: asked.append(request.url))
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto((folder / "run.html").as_uri() + "?quality=low")
-    until(lambda: page.evaluate("!!(window.morse?.world.value && morse.stage.frames > 0)"), "a world")
-    until(lambda: page.evaluate("morse.poses.value.time") >= SECONDS - 0.01, "the run is played to its end")
-    until(lambda: not page.evaluate("morse.poses.value.running"))
+    wait_until(lambda: page.evaluate("!!(window.morse?.world.value && morse.stage.frames > 0)"), "a world")
+    wait_until(lambda: page.evaluate("morse.poses.value.time") >= SECONDS - 0.01, "the run is played to its end")
+    wait_until(lambda: not page.evaluate("morse.poses.value.running"))
     place = "morse.world.value.find('robot').frame.position.x"
     assert page.evaluate(place) == pytest.approx(SPEED * SECONDS, abs=0.05)
     page.evaluate("morse.connection.send({ type: 'rewind', time: 1.0 })")
-    until(lambda: page.evaluate("morse.poses.value.time") == pytest.approx(1.0, abs=1e-6))
+    wait_until(lambda: page.evaluate("morse.poses.value.time") == pytest.approx(1.0, abs=1e-6))
     assert page.evaluate(place) == pytest.approx(SPEED, abs=0.05)
     # the data are those of the moment, too
     page.evaluate("morse.components.selected.set('robot.pose')")
-    until(lambda: page.evaluate("morse.components.valuesOf('robot.pose').data.x") == pytest.approx(SPEED, abs=0.2))
+    wait_until(lambda: page.evaluate("morse.components.valuesOf('robot.pose').data.x") == pytest.approx(SPEED, abs=0.2))
     # what the script shows: the wall is straight ahead, 6 m from the origin less half of its thickness
     rays = "[...morse.panels.layers.rays.drawn.get('robot.laser').hits.geometry.attributes.position.array]"
     hits = page.evaluate(rays)
     assert max(hits[0::3]) == pytest.approx(5.9, abs=0.01)
-    until(lambda: page.locator("[data-camera='robot.eye']").is_visible())
+    wait_until(lambda: page.locator("[data-camera='robot.eye']").is_visible())
     assert page.evaluate("morse.panels.plots.plots.length") == 1
     answer = page.evaluate(
         "morse.connection.request({ type: 'set_property', component: 'robot.eye', name: 'cam_width', value: 9 })"
@@ -98,18 +98,18 @@ def test_a_run_in_a_document_moves_only_itself(folder: Path, browser: Any) -> No
     assert page.evaluate(loaded) == [False, False, False]
     entries = page.evaluate("history.length")
     page.evaluate("scrollTo(0, 500)")
-    until(lambda: page.evaluate(loaded) == [True, False, False])
+    wait_until(lambda: page.evaluate(loaded) == [True, False, False])
     shown = page.frame_locator("iframe >> nth=0").locator(".plot").first
     shown.wait_for(state="attached")
     # the plot of the script is out of sight in so small a frame; the document stays where the reader has scrolled it
-    until(lambda: page.frames[1].evaluate("!!morse.world.value && morse.panels.plots.plots.length === 1"))
+    wait_until(lambda: page.frames[1].evaluate("!!morse.world.value && morse.panels.plots.plots.length === 1"))
     page.frames[1].evaluate("morse.panels.plots.plot('robot.pose', 'y')")
     assert page.evaluate("scrollY") == 500
     # a run that is out of sight is given up, and only those in sight are there
     page.evaluate("scrollTo(0, 1100)")
-    until(lambda: page.evaluate(loaded) == [True, True, False])
+    wait_until(lambda: page.evaluate(loaded) == [True, True, False])
     page.evaluate("scrollTo(0, document.body.scrollHeight)")
-    until(lambda: page.evaluate(loaded) == [False, False, True])
+    wait_until(lambda: page.evaluate(loaded) == [False, False, True])
     assert page.evaluate("[history.length, document.querySelectorAll('iframe').length]") == [entries, 3]
     page.close()
 
@@ -163,16 +163,16 @@ def test_a_dated_run_has_times_of_its_own(tmp_path: Path, browser: Any) -> None:
     assert execute(["export", str(tmp_path / "run.mcap"), "--html", str(tmp_path / "run.html")]) == 0
     page = browser.new_page(viewport={"width": 1100, "height": 600})
     page.goto((tmp_path / "run.html").as_uri() + "?quality=low")
-    until(lambda: page.evaluate("!!window.morse?.world.value && morse.poses.value !== null"))
+    wait_until(lambda: page.evaluate("!!window.morse?.world.value && morse.poses.value !== null"))
     page.evaluate("morse.connection.send({ type: 'pause' })")
     page.evaluate(f"morse.connection.send({{ type: 'rewind', time: {begin + 1.0} }})")
     label = page.locator(".history output")
-    until(lambda: label.text_content() == "0:01.00 / 0:02.02", label.text_content)
+    wait_until(lambda: label.text_content() == "0:01.00 / 0:02.02", label.text_content)
     clock = datetime.fromtimestamp(round(begin + 1.0, 2), tz=UTC)
     assert page.locator(".clock .time").text_content() == clock.strftime("%H:%M:%S.%f")[:11]
     page.evaluate("morse.components.selected.set('robot.gps')")
     value = page.locator(".inspector tr:has-text('latitude') td.value").first
-    until(lambda: re.fullmatch(r"43\.\d{8}", value.text_content() or ""), value.text_content)
+    wait_until(lambda: re.fullmatch(r"43\.\d{8}", value.text_content() or ""), value.text_content)
     assert float(value.text_content()) == pytest.approx(place["latitude"], abs=1e-7)
     page.close()
 

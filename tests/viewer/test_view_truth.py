@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from view_pages import until
 from view_worlds import box, mesh_node
 
 from morse.scene import ComponentDeclaration, Scene
@@ -21,6 +20,7 @@ from morse.viewer.view_messages import (
     Values,
     Viewpoint,
 )
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -61,9 +61,9 @@ def test_a_simulation_that_has_ended_is_not_called_lost(make_server, open_page) 
     server, url = make_server()
     page = open_page(url, wait=False)
     link = page.locator(".link")
-    until(lambda: not link.is_visible())
+    wait_until(lambda: not link.is_visible())
     server.stop()
-    until(lambda: "has ended" in link.inner_text())
+    wait_until(lambda: "has ended" in link.inner_text())
     # attempts to reconnect fail in the meantime
     for _ in range(20):
         page.wait_for_timeout(100)
@@ -73,9 +73,9 @@ def test_a_simulation_that_has_ended_is_not_called_lost(make_server, open_page) 
 def test_the_last_page_that_is_left_takes_the_wheel(running, open_page) -> None:
     _, url = running
     first, second = open_page(url), open_page(url)
-    until(lambda: second.get_by_role("button", name="ask to drive").is_visible())
+    wait_until(lambda: second.get_by_role("button", name="ask to drive").is_visible())
     first.close()
-    until(lambda: second.evaluate("morse.seat.drives.value"))
+    wait_until(lambda: second.evaluate("morse.seat.drives.value"))
 
 
 def test_a_page_that_watches_cannot_end_the_simulation(running, open_page) -> None:
@@ -83,11 +83,11 @@ def test_a_page_that_watches_cannot_end_the_simulation(running, open_page) -> No
     first, second = open_page(url), open_page(url)
     # in narrow windows it is behind another button
     button = second.get_by_role("button", name="End the simulation", include_hidden=True)
-    until(lambda: second.get_by_role("button", name="ask to drive").is_visible())
-    until(button.is_disabled)
+    wait_until(lambda: second.get_by_role("button", name="ask to drive").is_visible())
+    wait_until(button.is_disabled)
     assert "only the page that drives" in str(button.get_attribute("title"))
     first.close()
-    until(button.is_enabled)
+    wait_until(button.is_enabled)
     assert button.get_attribute("title") == "End the simulation"
 
 
@@ -95,11 +95,11 @@ def test_quit_asks(shown) -> None:
     driver, page = shown
     page.get_by_role("button", name="End the simulation").click()
     page.keyboard.press("Escape")
-    until(lambda: page.get_by_role("dialog").count() == 0)
+    wait_until(lambda: page.get_by_role("dialog").count() == 0)
     page.get_by_role("button", name="End the simulation").click()
     assert events(driver, Quit) == []
     page.get_by_role("dialog").get_by_role("button", name="end it").click()
-    until(lambda: len(events(driver, Quit)) == 1)
+    wait_until(lambda: len(events(driver, Quit)) == 1)
 
 
 # accidents -----------------------------------------------------------------------------------------------
@@ -122,7 +122,7 @@ def test_a_page_is_not_left_by_accident_while_its_user_flies_or_looks_around(sho
     asks = "dispatchEvent(new KeyboardEvent('keyup', { code: 'KeyW', key: 'w' })) && " + LEAVES
     assert page.evaluate(asks)
     page.keyboard.up("w")
-    until(lambda: not leave(page))
+    wait_until(lambda: not leave(page))
     page.mouse.move(300, 250)
     page.keyboard.down("Control")
     page.mouse.move(320, 250)
@@ -133,17 +133,17 @@ def test_a_page_is_not_left_by_accident_while_its_user_flies_or_looks_around(sho
     )
     page.evaluate(note)
     page.keyboard.down("r")  # reloads the page elsewhere
-    until(lambda: page.evaluate("window.taken") is True)
-    until(lambda: page.evaluate("morse.stage.view.position.z") > height + 0.1)
+    wait_until(lambda: page.evaluate("window.taken") is True)
+    wait_until(lambda: page.evaluate("morse.stage.view.position.z") > height + 0.1)
     page.keyboard.up("r")
     page.keyboard.up("Control")
-    until(lambda: not leave(page))
+    wait_until(lambda: not leave(page))
     page.keyboard.down("Control")
     assert not leave(page)  # without flying or looking around, the key is for the browser
     page.evaluate(note)
     key = "{ code: 'KeyR', key: 'r', ctrlKey: true, cancelable: true }"
     page.evaluate(f"dispatchEvent(new KeyboardEvent('keydown', {key}))")
-    until(lambda: page.evaluate("window.taken") is False)
+    wait_until(lambda: page.evaluate("window.taken") is False)
     page.keyboard.up("Control")
     assert driver.running
 
@@ -161,7 +161,7 @@ def test_a_click_on_the_ground_selects_nothing(scenes) -> None:
 
     for place, wanted in (([0.0, 0.0, 0.5], "crate"), ([3.0, -2.0, 0.0], None), ([-3.0, 3.8, 1.0], "wall")):
         page.mouse.click(*on_page(page, place))
-        until(lambda wanted=wanted: page.evaluate(selected) == wanted, f"the selection of {wanted}")
+        wait_until(lambda wanted=wanted: page.evaluate(selected) == wanted, f"the selection of {wanted}")
 
 
 # after a reload ------------------------------------------------------------------------------------------
@@ -171,19 +171,19 @@ def test_a_reload_keeps_selection_and_plots(running, open_page) -> None:
     driver, url = running
     page = open_page(url, **WIDE)
     select(page, "robot1.lidar")
-    until(lambda: page.evaluate("morse.components.valuesOf('robot1.lidar') !== null"))
+    wait_until(lambda: page.evaluate("morse.components.valuesOf('robot1.lidar') !== null"))
     page.get_by_role("rowheader", name="x", exact=True).last.press("Enter")
     page.get_by_label("time shown").select_option("5 s")
-    until(lambda: page.locator(".legend li").count() == 1)
+    wait_until(lambda: page.locator(".legend li").count() == 1)
     select(page, "robot0.lidar")
     page.reload()
-    until(lambda: page.evaluate("!!window.morse?.world.value"))
-    until(lambda: page.evaluate("morse.components.selected.value") == "robot0.lidar")
-    until(lambda: page.locator(".legend li").count() == 1)
+    wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
+    wait_until(lambda: page.evaluate("morse.components.selected.value") == "robot0.lidar")
+    wait_until(lambda: page.locator(".legend li").count() == 1)
     assert page.locator(".legend li").inner_text().startswith("robot1.lidar.x")
     assert page.get_by_label("time shown").input_value() == "5"
-    until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 5)
-    until(lambda: driver.server.wishes.values == {"robot0.lidar", "robot1.lidar"})
+    wait_until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 5)
+    wait_until(lambda: driver.server.wishes.values == {"robot0.lidar", "robot1.lidar"})
 
 
 # plots ---------------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ def test_plots_say_whose_field_it_is_and_show_a_window_of_time(shown) -> None:
     _, page = shown
     for robot in ("robot0", "robot1"):
         select(page, f"{robot}.lidar")
-        until(lambda name=robot: page.evaluate(f"morse.components.valuesOf('{name}.lidar') !== null"))
+        wait_until(lambda name=robot: page.evaluate(f"morse.components.valuesOf('{name}.lidar') !== null"))
         page.evaluate(f"morse.panels.plots.plot('{robot}.lidar', 'x', morse.panels.plots.plots[0] ?? null)")
         page.evaluate(f"morse.panels.plots.plot('{robot}.lidar', 'position', morse.panels.plots.plots[0])")
     for i in range(3):
@@ -203,7 +203,7 @@ def test_plots_say_whose_field_it_is_and_show_a_window_of_time(shown) -> None:
             "i => morse.panels.plots.plots[0].add({ component: 'robot2.lidar', path: `position.${i}`, unit: 'm' })", i
         )
     labels = page.locator(".legend li")
-    until(lambda: labels.count() == 11)
+    wait_until(lambda: labels.count() == 11)
     texts = labels.all_inner_texts()
     assert texts[0].startswith("robot0.lidar.x")
     assert texts[4].startswith("robot1.lidar.x")
@@ -211,11 +211,11 @@ def test_plots_say_whose_field_it_is_and_show_a_window_of_time(shown) -> None:
     assert len(set(inks)) == 11
     page.get_by_label("time shown").select_option("5 s")
     scale = "(s => s.max - s.min)(morse.panels.plots.plots[0].chart.scales.x)"
-    until(lambda: page.evaluate(scale) == pytest.approx(5.0))
+    wait_until(lambda: page.evaluate(scale) == pytest.approx(5.0))
     # every button is within the area of the plots, also in narrow windows
     for width in (1100, 920):
         page.set_viewport_size({"width": width, "height": 700})
-        until(lambda width=width: page.evaluate("innerWidth") == width)
+        wait_until(lambda width=width: page.evaluate("innerWidth") == width)
         room, *tools = page.evaluate(PLACES, ".plots, figure.plot .tools > *")  # at once: each question takes long
         assert len(tools) >= 4
         for place in tools:
@@ -229,11 +229,11 @@ def test_a_plot_forgets_what_is_no_longer_to_come(shown) -> None:
     select(page, "robot0.lidar")
     send = driver.server.send
     send(Values("robot0.lidar", 1.0, {"x": 1.0}))
-    until(lambda: page.evaluate("morse.components.valuesOf('robot0.lidar') !== null"))
+    wait_until(lambda: page.evaluate("morse.components.valuesOf('robot0.lidar') !== null"))
     page.evaluate("morse.panels.plots.plot('robot0.lidar', 'x')")
     for time in (2.0, 3.0, 4.0, 2.5):
         send(Values("robot0.lidar", time, {"x": time}))
-        until(lambda t=time: page.evaluate("morse.panels.plots.plots[0].times.at(-1)") == t)
+        wait_until(lambda t=time: page.evaluate("morse.panels.plots.plots[0].times.at(-1)") == t)
     assert page.evaluate("morse.panels.plots.plots[0].times") == [2.0, 2.5]
 
 
@@ -255,7 +255,7 @@ def many_robots(scenes: Any, count: int) -> Page:
         components.append(ComponentDescription(f"robot{i}", "robot", f"robot{i}"))
         components.append(ComponentDescription(f"robot{i}.eye", "sensor", f"robot{i}"))
     scenes.server.send(Tree(components))
-    until(lambda: page.evaluate("morse.components.all.value.length") == 2 * count)
+    wait_until(lambda: page.evaluate("morse.components.all.value.length") == 2 * count)
     return page
 
 
@@ -270,7 +270,7 @@ def test_names_of_robots_do_not_pile_up(scenes) -> None:
     # all boxes of one frame: the visible names change while the camera moves
     shown = """[...document.querySelectorAll(".names span:not([hidden])")].map(label => {
         const {x, y, width, height} = label.getBoundingClientRect(); return {x, y, width, height}; })"""
-    boxes = until(lambda: len(found := page.evaluate(shown)) > 3 and found, "names of robots")
+    boxes = wait_until(lambda: len(found := page.evaluate(shown)) > 3 and found, "names of robots")
     for i, a in enumerate(boxes):
         for b in boxes[:i]:
             apart = (
@@ -285,10 +285,10 @@ def test_of_many_robots_the_nearest_show_rays_and_the_page_says_so(scenes) -> No
     page.set_viewport_size(WIDE)
     page.locator("summary[title=view]").click()
     page.get_by_label("rays and points").check()
-    until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in range(8)})
+    wait_until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in range(8)})
     assert page.get_by_text("Rays, cones and fields of view of 8 of 20 robots").is_visible()
     select(page, "robot19")
-    until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in (*range(7), 19)})
+    wait_until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in (*range(7), 19)})
 
 
 def test_a_ray_that_meets_nothing_fades_out(shown) -> None:
@@ -299,7 +299,7 @@ def test_a_ray_that_meets_nothing_fades_out(shown) -> None:
     page.evaluate("morse.panels.layers.rays.keep(['other']); morse.panels.layers.rays.keep = () => {}")
     driver.server.send(Rays(component="other", payload=rays.tobytes()))
     drawn = "morse.panels.layers.rays.drawn.get('other')"
-    until(lambda: page.evaluate(f"!!{drawn}"))
+    wait_until(lambda: page.evaluate(f"!!{drawn}"))
     ends = np.array(page.evaluate(f"[...{drawn}.beams.geometry.attributes.position.array]")).reshape(3, 2, 3)
     assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) == pytest.approx([5.0, 5.0, 0.1], abs=1e-5)
     colors = np.array(page.evaluate(f"[...{drawn}.beams.geometry.attributes.color.array]")).reshape(3, 2, 4)
@@ -328,23 +328,23 @@ def test_f7_does_not_end_behind_furniture(scenes) -> None:
     assert place[1] < 1.2
     assert place[2] < 2.0
     page.mouse.click(*on_page(page, page.evaluate("morse.world.value.find('robot0').frame.position.toArray()")))
-    until(lambda: page.evaluate("morse.components.selected.value") == "robot0")
+    wait_until(lambda: page.evaluate("morse.components.selected.value") == "robot0")
 
 
 def test_a_service_that_moves_the_camera_of_the_script_moves_that_of_the_page(running, open_page) -> None:
     driver, url = running
     page = open_page(url)
     driver.server.send(Viewpoint((1.0, 2.0, 3.0), (0.0, 0.0, 0.0), (0.1, 100.0)))
-    until(lambda: page.evaluate("morse.stage.view.position.toArray()") == [1.0, 2.0, 3.0])
+    wait_until(lambda: page.evaluate("morse.stage.view.position.toArray()") == [1.0, 2.0, 3.0])
     assert page.evaluate("morse.stage.view.ahead.z") == pytest.approx(-1.0, abs=1e-4)
     page.keyboard.down("r")
-    until(lambda: page.evaluate("morse.stage.view.position.z") > 3.2)
+    wait_until(lambda: page.evaluate("morse.stage.view.position.z") > 3.2)
     page.keyboard.up("r")
-    until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+    wait_until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
     page.keyboard.press("F8")
-    until(lambda: page.evaluate("morse.stage.view.position.toArray()") == pytest.approx([1.0, 2.0, 3.0]))
+    wait_until(lambda: page.evaluate("morse.stage.view.position.toArray()") == pytest.approx([1.0, 2.0, 3.0]))
     late = open_page(url)  # a later page has that viewpoint, too
-    until(lambda: late.evaluate("morse.stage.view.position.toArray()") == pytest.approx([1.0, 2.0, 3.0]))
+    wait_until(lambda: late.evaluate("morse.stage.view.position.toArray()") == pytest.approx([1.0, 2.0, 3.0]))
 
 
 def test_a_picture_that_stands_still_is_refined(served, open_page) -> None:
@@ -357,11 +357,11 @@ def test_a_picture_that_stands_still_is_refined(served, open_page) -> None:
     # as on a quick machine, however long frames take here
     measure = "measure(began) { this.previous = began; }"
     page.evaluate(f"Object.assign(morse.stage.quality, {{ mayRefine: true, software: false, took: 16, {measure} }})")
-    until(lambda: page.evaluate(ratio) > 1.2 * usual)
+    wait_until(lambda: page.evaluate(ratio) > 1.2 * usual)
     page.keyboard.down("w")
-    until(lambda: page.evaluate(ratio) == usual)
+    wait_until(lambda: page.evaluate(ratio) == usual)
     page.keyboard.up("w")
-    until(lambda: page.evaluate(ratio) > 1.2 * usual)
+    wait_until(lambda: page.evaluate(ratio) > 1.2 * usual)
 
 
 # the inspector -------------------------------------------------------------------------------------------
@@ -381,7 +381,7 @@ def inspected(driver: Any, page: Page) -> None:
             ComponentDescription("robot0.scan", "sensor", "robot0", data=scan, properties=[window]),
         ])
     )  # fmt: skip
-    until(lambda: page.evaluate("morse.components.all.value.length") == 3)
+    wait_until(lambda: page.evaluate("morse.components.all.value.length") == 3)
 
 
 def test_choices_are_offered_and_bounds_are_said(shown) -> None:
@@ -392,7 +392,9 @@ def test_choices_are_offered_and_bounds_are_said(shown) -> None:
     box_of_choices = page.get_by_role("combobox", name="ControlType")
     assert box_of_choices.locator("option").all_inner_texts() == ["Velocity", "Position"]
     box_of_choices.select_option("Position")
-    until(lambda: [(e.name, e.value) for e in driver.events if hasattr(e, "value")] == [("ControlType", "Position")])
+    wait_until(
+        lambda: [(e.name, e.value) for e in driver.events if hasattr(e, "value")] == [("ControlType", "Position")]
+    )
     assert "at least 0, at most 5" in page.get_by_role("textbox", name="Speed").get_attribute("title")
 
 
@@ -405,12 +407,12 @@ def test_data_of_actuators_are_set_and_those_of_sensors_are_not(shown) -> None:
     field = page.get_by_role("textbox", name="v", exact=True)
     field.fill("0.75")
     field.press("Enter")
-    until(lambda: [e.fields for e in events(driver, Command)] == [{"v": 0.75}])
+    wait_until(lambda: [e.fields for e in events(driver, Command)] == [{"v": 0.75}])
     page.get_by_role("checkbox", name="on", exact=True).check()
-    until(lambda: [e.fields for e in events(driver, Command)][1:] == [{"on": True}])
+    wait_until(lambda: [e.fields for e in events(driver, Command)][1:] == [{"on": True}])
     driver.server.send(Values("robot0.motion", 2.0, {"v": 0.5, "on": False}))
     page.get_by_role("checkbox", name="on", exact=True).focus()
-    until(lambda: field.input_value() == "0.5")
+    wait_until(lambda: field.input_value() == "0.5")
     select(page, "robot0.scan")
     driver.server.send(Values("robot0.scan", 3.0, {"range_list": [1.0, 2.0]}))
     assert page.locator("table.data input").count() == 0
@@ -425,7 +427,7 @@ def test_a_scan_is_drawn_from_above(shown) -> None:
     ranges = [None] * 181
     ranges[90], ranges[180] = 4.0, 2.0
     driver.server.send(Values("robot0.scan", 1.0, {"range_list": ranges}))
-    until(lambda: "181 rays; a ring is 1 m" in page.locator(".scan figcaption").inner_text())
+    wait_until(lambda: "181 rays; a ring is 1 m" in page.locator(".scan figcaption").inner_text())
     pixel = """([x, y]) => [...document.querySelector('.scan canvas').getContext('2d')
         .getImageData(220 + 2 * x, 220 + 2 * y, 1, 1).data]""".strip()
     scale = (110 - 8) / 4.0
@@ -454,14 +456,14 @@ def test_a_slider_goes_back_in_time_while_time_stands_still(shown) -> None:
     slider = page.get_by_role("slider", name="go back in time")
     assert not slider.is_visible()
     page.keyboard.press("p")
-    until(lambda: slider.is_visible())
+    wait_until(lambda: slider.is_visible())
     slider.focus()
     page.keyboard.press("Home")
-    until(lambda: [e.time for e in events(driver, Rewind)][-1:] == [0.5])
+    wait_until(lambda: [e.time for e in events(driver, Rewind)][-1:] == [0.5])
     page.get_by_role("button", name="Back", exact=True).click()
-    until(lambda: len(events(driver, StepBack)) == 1)
+    wait_until(lambda: len(events(driver, StepBack)) == 1)
     page.get_by_role("button", name="Play").click()
-    until(lambda: not slider.is_visible())
+    wait_until(lambda: not slider.is_visible())
     driver.server.send(History([]))
 
 
@@ -473,7 +475,7 @@ def test_a_thumb_drives_and_lets_go(running, open_page) -> None:
     driver.server.send(Listening(["robot0"], "robot0"))
     page = open_page(url, width=390, height=780, has_touch=True, is_mobile=True)
     pad = page.get_by_role("group", name="drive")
-    until(lambda: pad.is_visible())
+    wait_until(lambda: pad.is_visible())
     place = pad.bounding_box()
     x, y = place["x"] + place["width"] / 2, place["y"] + place["height"] / 2
     session = page.context.new_cdp_session(page)
@@ -483,13 +485,13 @@ def test_a_thumb_drives_and_lets_go(running, open_page) -> None:
 
     touch("touchStart", (x, y))
     touch("touchMove", (x, y - 50))
-    until(lambda: driver.keys[-1:] == [frozenset({"ArrowUp"})])
+    wait_until(lambda: driver.keys[-1:] == [frozenset({"ArrowUp"})])
     # the hand that drives cannot move the camera
     assert page.evaluate("[morse.follow.mode.value, morse.follow.node.name]") == ["along", "robot0"]
     touch("touchMove", (x - 45, y - 45))
-    until(lambda: driver.keys[-1:] == [frozenset({"ArrowUp", "ArrowLeft"})])
+    wait_until(lambda: driver.keys[-1:] == [frozenset({"ArrowUp", "ArrowLeft"})])
     touch("touchEnd")
-    until(lambda: driver.keys[-1:] == [frozenset()])
+    wait_until(lambda: driver.keys[-1:] == [frozenset()])
     assert events(driver, DragEnd) == []
 
 
@@ -505,12 +507,12 @@ def test_a_telephone_reaches_every_panel_with_targets_for_fingers(running, open_
     # tapping a component opens its panel, and closes the tree
     page.get_by_role("button", name="Robots and components").tap()
     page.locator('[data-name="robot1.lidar"]').tap()
-    until(lambda: page.locator(".right").is_visible() and page.locator(".left").is_hidden())
+    wait_until(lambda: page.locator(".right").is_visible() and page.locator(".left").is_hidden())
     page.get_by_role("heading", name="robot1.lidar").wait_for()
     page.get_by_role("button", name="Details").tap()
     for name, panel in (("Robots and components", ".left"), ("Details", ".right"), ("Plots and messages", ".bottom")):
         page.get_by_role("button", name=name).tap()
-        until(lambda p=panel: page.locator(p).is_visible())
+        wait_until(lambda p=panel: page.locator(p).is_visible())
         assert page.evaluate(small) == [], name
         place = page.locator(panel).bounding_box()
         assert place["x"] >= 0

@@ -20,22 +20,7 @@ from morse.viewer.protocol import VERSION
 from morse.viewer.snapshot import HEADER, POSES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from playwright.sync_api import Page
-
-
-def until(condition: Callable[[], Any], what: str = "", limit: float = 60.0) -> Any:
-    """Wait until a condition holds, and return its value."""
-    end, pause = time.monotonic() + limit, 0.005
-    while True:
-        value = condition()
-        if value:
-            return value
-        if time.monotonic() > end:
-            raise AssertionError(f"not within {limit} s: {what or condition}")
-        time.sleep(pause)
-        pause = min(1.5 * pause, 0.05)  # a question to a page takes time from the page
 
 
 def toasts(page: Page, kind: str = "toast") -> list[str]:

@@ -8,7 +8,6 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from view_pages import until
 
 from morse.viewer.description import (
     ArgumentDescription,
@@ -40,6 +39,7 @@ from morse.viewer.view_messages import (
     Tree,
     Values,
 )
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from morse.viewer.server import ViewServer
@@ -118,7 +118,7 @@ class CircleDriver:
     def begin(self) -> None:
         """Go back to the beginning, as if no page had done anything; ticks are numbered on."""
         self._again.set()
-        until(lambda: not self._again.is_set(), "a new beginning")
+        wait_until(lambda: not self._again.is_set(), "a new beginning")
         self.server.send(self.tree())
 
     def poses(self) -> np.ndarray:

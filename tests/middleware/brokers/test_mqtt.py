@@ -18,6 +18,7 @@ import pytest
 
 import morse
 from morse.core.exceptions import MorseError
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -106,22 +107,11 @@ def broker_of(sim: Any) -> Any:
     return sim.context.stream_managers["morse.middleware.mqtt.datastream.MqttDatastreamManager"].broker
 
 
-def until(sim: Any, condition: Callable[[], object]) -> None:
-    """Step until a condition holds."""
-    end = time.monotonic() + LIMIT
-    while time.monotonic() < end:
-        sim.step()
-        if condition():
-            return
-        time.sleep(0.002)
-    raise AssertionError("it does not become so")
-
-
 def talk(sim: Any, command: list[str]) -> str:
     """Step until a program has ended; returns its output."""
     with tempfile.TemporaryFile("w+") as said, subprocess.Popen(command, stdout=said, stderr=said) as other:
         try:
-            until(sim, lambda: other.poll() is not None)
+            step_until(sim, lambda: other.poll() is not None)
         finally:
             other.kill()
         said.seek(0)
@@ -157,10 +147,10 @@ def test_a_simulation_without_its_broker(broker: Mosquitto, start: Callable[...,
     assert not broker_of(sim).connected
     for _ in range(2):
         broker.start()
-        until(sim, lambda: broker_of(sim).connected)
+        step_until(sim, lambda: broker_of(sim).connected)
         command_arrives(sim, broker.port)
         broker.stop()
-        until(sim, lambda: not broker_of(sim).connected)
+        step_until(sim, lambda: not broker_of(sim).connected)
     sim.step(30)
 
 
@@ -173,7 +163,7 @@ def command_arrives(sim: Any, port: int) -> None:
         client.publish("morse/robot/motion/set", '{"w": 0.25}')
         return bool(motion.local_data["w"] == 0.25)
 
-    until(sim, told)
+    step_until(sim, told)
     client.disconnect()
     client.loop_stop()
 
@@ -193,7 +183,7 @@ def test_commands_that_do_not_fit_change_nothing(
 ) -> None:
     broker.start()
     sim = start(broker.port)
-    until(sim, lambda: broker_of(sim).connected)
+    step_until(sim, lambda: broker_of(sim).connected)
     motion = sim.context.components["robot.motion"]
     client = paho_client(broker.port)
     bad = [b"", b"\xff\xfe", b"[" * 100_000, b"3", b'{"v": "fast"}', b'{"v": NaN}', b'{"v": 1e400}', b"x" * (2 << 20)]
@@ -205,7 +195,7 @@ def test_commands_that_do_not_fit_change_nothing(
         assert motion.local_data["v"] == 0.0
         return bool(motion.local_data["w"] == 0.5)
 
-    until(sim, arrived)
+    step_until(sim, arrived)
     assert "robot.motion" not in sim.context.failed
     assert "robot.motion: this message cannot be read" in caplog.text
     assert "'v' is 'fast'" in caplog.text
@@ -221,17 +211,17 @@ def test_a_second_simulation_on_the_same_topics_is_told(
     broker.start()
     for prefix in ("lab", "hall"):
         sim = start(broker.port, options=f", prefix='{prefix}'")
-        until(sim, lambda sim=sim: broker_of(sim).connected)  # type: ignore[misc]
+        step_until(sim, lambda sim=sim: broker_of(sim).connected)  # type: ignore[misc]
         watcher = paho_client(broker.port)
         heard: list[bytes] = []
         watcher.on_message = lambda client, data, message, heard=heard: heard.append(message.payload)
         watcher.subscribe(f"{prefix}/status", 1)
-        until(sim, lambda heard=heard: b"online" in heard)  # type: ignore[misc]
+        step_until(sim, lambda heard=heard: b"online" in heard)  # type: ignore[misc]
         watcher.disconnect()
         watcher.loop_stop()
     assert "another simulation" not in caplog.text
     second = start(broker.port, options=", prefix='lab'")
-    until(second, lambda: "another simulation" in caplog.text)
+    step_until(second, lambda: "another simulation" in caplog.text)
     assert "prefix 'lab'" in caplog.text
 
 
@@ -239,12 +229,12 @@ def test_a_second_simulation_on_the_same_topics_is_told(
 def test_the_end_is_told(broker: Mosquitto, start: Callable[..., Any]) -> None:
     broker.start()
     sim = start(broker.port, options=", prefix='lab'")
-    until(sim, lambda: broker_of(sim).connected)
+    step_until(sim, lambda: broker_of(sim).connected)
     heard: list[tuple[str, bytes]] = []
     client = paho_client(broker.port)
     client.on_message = lambda client, userdata, message: heard.append((message.topic, message.payload))
     client.subscribe("lab/status", 1)
-    until(sim, lambda: ("lab/status", b"online") in heard)
+    step_until(sim, lambda: ("lab/status", b"online") in heard)
     sim.close()
     end = time.monotonic() + LIMIT
     while ("lab/status", b"offline") not in heard and time.monotonic() < end:

@@ -12,6 +12,7 @@ import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, environment, need
 
 from morse.rosmsgs.table import Qos
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,13 +48,6 @@ def backend(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     made.close()
 
 
-def until(condition: Any) -> bool:
-    end = time.monotonic() + LIMIT
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.02)
-    return bool(condition())
-
-
 def send(backend: Any, publisher: Any, numbers: range) -> set[int]:
     """Send images at 30 Hz; returns the numbers of those that were sent."""
     sent = set()
@@ -71,7 +65,7 @@ def reach(backend: Any, publisher: Any, readers: list[Reader]) -> bool:
     Fast DDS 2.14 also keeps a part of an image for ever that was on its way when the reader was found.
     """
     matched = publisher._writer.get_publication_matched_status
-    assert until(lambda: matched().current_count == len(readers))
+    assert wait_until(lambda: matched().current_count == len(readers))
     end = time.monotonic() + LIMIT
     while not all(reader.images() for reader in readers) and time.monotonic() < end:
         send(backend, publisher, range(1))
@@ -86,7 +80,7 @@ def test_a_reader_gets_every_image_that_was_sent(backend: Any, tmp_path: Path) -
         assert reach(backend, publisher, [reader])
         sent = send(backend, publisher, range(1, 61))
         assert len(sent) > 10
-        assert until(lambda: sent <= set(reader.images())), sorted(sent - set(reader.images()))
+        assert wait_until(lambda: sent <= set(reader.images())), sorted(sent - set(reader.images()))
     finally:
         reader.process.kill()
         reader.process.wait()
@@ -135,7 +129,7 @@ def test_a_reader_that_does_not_answer_does_not_stop_the_others(backend: Any, tm
         readers[0].process.send_signal(signal.SIGSTOP)
         sent = send(backend, publisher, range(1, 121))
         assert max(sent) > 100, "images are sent again after a second"
-        assert until(lambda: max(readers[1].images()) > 100)
+        assert wait_until(lambda: max(readers[1].images()) > 100)
     finally:
         for reader in readers:
             reader.process.kill()

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from other_side import DOMAIN, SETTINGS, need
 
+from tests.waiting import wait_until
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -35,16 +37,6 @@ def participants(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Any]]:
         one.close()
 
 
-def until(condition: Any) -> bool:
-    """Wait for a condition, which may be true only once."""
-    end = time.monotonic() + LIMIT
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
-
-
 def test_a_simulation_sees_others_by_the_name_of_their_node(participants: list[Any]) -> None:
     from morse.middleware.ros2.backends.cyclone import CycloneBackend
 
@@ -52,13 +44,13 @@ def test_a_simulation_sees_others_by_the_name_of_their_node(participants: list[A
     first, other = CycloneBackend(options), CycloneBackend(options, "morse_messages")
     participants += [first, other]
     matched = other.graph._writer.get_publication_matched_status
-    assert until(lambda: matched().current_count == 2)
+    assert wait_until(lambda: matched().current_count == 2)
     assert other.graph._writer.wait_for_acks(10**9 * int(LIMIT))
     assert not first.has_namesake(), "neither itself, nor another node"
     assert not other.has_namesake()
     participants.append(CycloneBackend(options))
-    assert until(participants[-1].has_namesake), "the second one"
-    assert until(first.has_namesake), "and the first one"
+    assert wait_until(participants[-1].has_namesake), "the second one"
+    assert wait_until(first.has_namesake), "and the first one"
 
 
 def test_both_simulations_are_told(participants: list[Any], tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

@@ -26,6 +26,7 @@ from morse.middleware.rosbridge.hub import RosbridgeHub
 from morse.middleware.web.client import WebClient
 from morse.middleware.web.hub import hub_of
 from morse.middleware.web.topics import WebInlet
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -138,15 +139,6 @@ def test_the_client_of_rosbridge_drives_looks_and_calls(start: Callable[..., tup
     assert cancelled[0] == "CANCELED"
     assert refused[0] == "ABORTED"
     assert "no argument far" in refused[1]["error"]
-
-
-def eventually(holds: Callable[[], Any]) -> Any:
-    """The first true value of a condition that the network thread fulfils."""
-    end = time.monotonic() + LIMIT
-    while not (value := holds()):
-        assert time.monotonic() < end, "it does not become so"
-        time.sleep(0.005)
-    return value
 
 
 def time_of(message: dict[str, Any]) -> float:
@@ -385,14 +377,14 @@ def test_who_does_not_read_misses_messages_and_stops_nobody(start: Callable[...,
     other.send(op="subscribe", topic="/clock")
     other.until(op="publish", topic="/clock")
     clients = hub_of(sim.context, RosbridgeHub).server.clients
-    (slow,) = eventually(lambda: [client for client in list(clients) if "/robot/scan" in client._wishes])
+    (slow,) = wait_until(lambda: [client for client in list(clients) if "/robot/scan" in client._wishes])
     assert isinstance(slow, WebClient)
     sim.step(60)  # each scan has 0.18 MB: without hits, all ranges are null
     other.until(op="publish", topic="/clock")
     # the last ten scans wait
-    eventually(lambda: 1 << 20 < CLIENT_BYTES - slow.memory.left < 2 << 20)
+    wait_until(lambda: 1 << 20 < CLIENT_BYTES - slow.memory.left < 2 << 20)
     sim.step(60)
-    eventually(lambda: 1 << 20 < CLIENT_BYTES - slow.memory.left < 2 << 20)
+    wait_until(lambda: 1 << 20 < CLIENT_BYTES - slow.memory.left < 2 << 20)
     other.until(op="publish", topic="/clock")
     other.socket.close()
 

@@ -10,7 +10,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +21,7 @@ import morse
 from morse.core.exceptions import MorseError
 from morse.plugins.mavlink.axes import Axes
 from morse.plugins.mavlink.framing import Framer
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -77,16 +77,6 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
         sim.close()
 
 
-def until(sim: Any, condition: Callable[[], object]) -> None:
-    end = time.monotonic() + LIMIT
-    while time.monotonic() < end:
-        sim.step()
-        if condition():
-            return
-        time.sleep(0.002)
-    raise AssertionError("it does not become so")
-
-
 def talk(sim: Any, device: str, wanted: str, *command: str) -> dict[str, Any]:
     """The messages that the peer has received when it has all wanted ones."""
     arguments = [sys.executable, str(HERE / "mavlink_peer.py"), device, wanted, *command]
@@ -96,7 +86,7 @@ def talk(sim: Any, device: str, wanted: str, *command: str) -> dict[str, Any]:
         subprocess.Popen(arguments, stdout=said, stderr=complaints) as other,
     ):
         try:
-            until(sim, lambda: other.poll() is not None)
+            step_until(sim, lambda: other.poll() is not None)
         finally:
             other.kill()
         said.seek(0)
@@ -202,7 +192,7 @@ def test_an_autopilot_in_the_loop(start: Callable[..., Any]) -> None:
     assert 0.4 < math.hypot(sensor["xmag"], sensor["ymag"], sensor["zmag"]) < 0.55
     assert sensor["zmag"] > 0.0
     assert sensor["abs_pressure"] == pytest.approx(997.0, abs=20.0)  # 135 m above sea level, standard atmosphere
-    until(sim, lambda: sim.context.components["robot.motors"].local_data["engines"] != [0.0] * 4)
+    step_until(sim, lambda: sim.context.components["robot.motors"].local_data["engines"] != [0.0] * 4)
     assert list(sim.context.components["robot.motors"].local_data["engines"]) == pytest.approx(
         [400.0, 200.0, 800.0, 0.0]
     )
@@ -222,11 +212,11 @@ def test_a_gimbal_looks_where_it_is_told_and_wheels_say_how_far_they_went(start:
     command = ["gimbal_manager_set_pitchyaw_send", 0, 0, 0, 0, pitch, yaw, math.nan, math.nan]
     talk(sim, f"udpout:127.0.0.1:{port}", "HEARTBEAT", json.dumps(command))
     head = sim.context.components["robot.head"].local_data
-    until(sim, lambda: head["pan"] != 0.0)
+    step_until(sim, lambda: head["pan"] != 0.0)
     # MAVLink: positive to the right and upward
     assert (head["pan"], head["tilt"]) == pytest.approx((-yaw, -pitch), abs=1e-6)
     angles = sim.context.components["robot.head.angles"].local_data
-    until(sim, lambda: (angles["pan"], angles["tilt"]) == pytest.approx((-yaw, -pitch), abs=1e-4))
+    step_until(sim, lambda: (angles["pan"], angles["tilt"]) == pytest.approx((-yaw, -pitch), abs=1e-4))
     seen = talk(sim, f"udpout:127.0.0.1:{port}", "GIMBAL_DEVICE_ATTITUDE_STATUS,WHEEL_DISTANCE", json.dumps(command))
     # rotation by yaw about Z (down), then by pitch about Y (right)
     p, y = pitch / 2.0, yaw / 2.0
@@ -268,7 +258,7 @@ def test_a_place_to_fly_to(start: Callable[..., Any], yaw_given: bool) -> None:
     command = json.dumps(["set_position_target_local_ned_send", 0, 0, 0, 1, mask, 10, 5, -2, 0, 0, 0, 0, 0, 0, 0.5, 0])
     talk(sim, f"udpout:127.0.0.1:{port}", "HEARTBEAT", command)
     data = sim.context.components["robot.goal"].local_data
-    until(sim, lambda: data["x"] == 10.0)
+    step_until(sim, lambda: data["x"] == 10.0)
     assert (data["x"], data["y"], data["z"]) == (10.0, -5.0, 2.0)
     assert data["tolerance"] == 0.5
     assert data["yaw"] == pytest.approx(-0.5 if yaw_given else 0.0, abs=1e-3)
@@ -282,7 +272,7 @@ def test_an_attitude_to_take(start: Callable[..., Any]) -> None:
     command = json.dumps(["set_attitude_target_send", 0, 0, 0, 0, q, 0.0, 0.0, 0.3, 0.6])
     talk(sim, f"udpout:127.0.0.1:{port}", "HEARTBEAT", command)
     data = sim.context.components["robot.stick"].local_data
-    until(sim, lambda: data["thrust"] > 0.0)
+    step_until(sim, lambda: data["thrust"] > 0.0)
     assert data["thrust"] == pytest.approx(0.6)
     # the actuator has the axes of autopilots: no sign changes
     assert (data["roll"], data["pitch"], data["yaw"]) == pytest.approx((roll, 0.0, 0.3), abs=1e-3)
@@ -295,7 +285,7 @@ def test_a_velocity_in_the_axes_of_the_robot(start: Callable[..., Any]) -> None:
     command = ["set_position_target_local_ned_send", 0, 1, 0, 8, mask, 0, 0, 0, 0.5, 0, 0, 0, 0, 0, 0, 0.25]
     talk(sim, f"udpout:127.0.0.1:{port}", "HEARTBEAT", json.dumps(command))
     data = sim.context.components["robot.motion"].local_data
-    until(sim, lambda: data["v"] == 0.5)
+    step_until(sim, lambda: data["v"] == 0.5)
     assert data["w"] == -0.25  # clockwise from above is to the right
 
 
@@ -348,7 +338,7 @@ def test_garbage_and_strangers_do_no_harm(start: Callable[..., Any]) -> None:
             return True
         return gone[-1] == b""
 
-    until(sim, has_ended)
+    step_until(sim, has_ended)
     browser.close()
     data = sim.context.components["robot.motion"].local_data
     assert (data["v"], data["w"]) == (0.0, 0.0)
@@ -465,7 +455,7 @@ def test_the_example_of_the_documentation(tmp_path: Path, monkeypatch: pytest.Mo
         subprocess.Popen([sys.executable, str(tmp_path / "client.py")], stdout=said, stderr=said) as other,
     ):
         try:
-            until(sim, lambda: other.poll() is not None)
+            step_until(sim, lambda: other.poll() is not None)
         finally:
             other.kill()
         said.seek(0)

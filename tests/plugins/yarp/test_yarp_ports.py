@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import socket
 import struct
-import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from yarp_wire import Line, Reader, exactly, number
 
 from morse.core.exceptions import MorseError
 from morse.plugins.yarp.bottle import decode, encode
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -30,20 +30,11 @@ robot.add_default_interface("yarp")
 """
 
 
-def until(sim: Any, holds: Callable[[], object]) -> None:
-    """Step until a condition holds."""
-    end = time.monotonic() + LIMIT
-    while not holds():
-        assert time.monotonic() < end, "it does not become so"
-        sim.step()
-        time.sleep(0.001)  # the other threads need the lock of the interpreter, too
-
-
 def meanwhile(sim: Any, work: Callable[[], Any]) -> Any:
     """Step while another thread works; returns its result."""
     with ThreadPoolExecutor(1) as pool:
         future = pool.submit(work)
-        until(sim, future.done)
+        step_until(sim, future.done)
         return future.result()
 
 
@@ -71,7 +62,7 @@ def test_a_port_that_is_connected_gets_the_fields_in_their_order(
 ) -> None:
     sim = load(names.port, BOTH)
     reader.acknowledges = carrier == "tcp"
-    until(sim, lambda: POSE in names.known)
+    step_until(sim, lambda: POSE in names.known)
 
     def work() -> tuple[str, bytes, str, list[Any], list[Any]]:
         with ThreadPoolExecutor(1) as pool:
@@ -90,7 +81,7 @@ def test_a_port_that_is_connected_gets_the_fields_in_their_order(
 
 def test_a_port_is_administered(load: Callable[..., Any], names: Names, reader: Reader) -> None:
     sim = load(names.port, BOTH)
-    until(sim, lambda: POSE in names.known)
+    step_until(sim, lambda: POSE in names.known)
 
     def work() -> list[str]:
         line = Line(names.known[POSE], "CONNACK", "admin")
@@ -127,12 +118,12 @@ def test_a_port_is_administered(load: Callable[..., Any], names: Names, reader: 
 
 def test_bottles_command_an_actuator(load: Callable[..., Any], names: Names) -> None:
     sim = load(names.port, BOTH)
-    until(sim, lambda: MOTION in names.known)
+    step_until(sim, lambda: MOTION in names.known)
     data = sim.context.components["robot.motion"].local_data
     assert list(data) == ["x", "y", "w"]
     line = Line(names.known[MOTION])
     line.say("d", "0.5 -1")
-    until(sim, lambda: data["y"] == -1.0)
+    step_until(sim, lambda: data["y"] == -1.0)
     assert (data["x"], data["w"]) == (0.5, 0.0)
     with socket.create_connection(names.known[MOTION], timeout=LIMIT) as binary:
         # the header, and a message, of the documentation
@@ -142,7 +133,7 @@ def test_bottles_command_an_actuator(load: Callable[..., Any], names: Names) -> 
         index = bytes((2, 1)) + b"\xff" * 8 + struct.pack("<3i", 8, len(bottle), 0)
         binary.sendall(number(10) + index + b"\0\0\0\0~D\0\1" + bottle)
         assert exactly(binary, 8) == number(0)
-        until(sim, lambda: data["w"] == 0.25)
+        step_until(sim, lambda: data["w"] == 0.25)
         assert data["x"] == 0.0
         # who sends "d" waits for a reply, which comes before the acknowledgement
         binary.sendall(number(10) + index + b"\0\0\0\0~d\0\1" + bottle)
@@ -155,13 +146,13 @@ def test_a_wrong_bottle_is_refused_as_a_whole(
     load: Callable[..., Any], names: Names, caplog: pytest.LogCaptureFixture
 ) -> None:
     sim = load(names.port, BOTH)
-    until(sim, lambda: MOTION in names.known)
+    step_until(sim, lambda: MOTION in names.known)
     data = sim.context.components["robot.motion"].local_data
     line = Line(names.known[MOTION])
     for wrong in ("0.5 fast", "nan 1", "1 2 3 4", "(1 2) 3", "1 (2"):
         line.say("d", wrong)
     line.say("d", "0.125")
-    until(sim, lambda: data["x"] == 0.125)
+    step_until(sim, lambda: data["x"] == 0.125)
     assert data["y"] == 0.0
     for text in ("it has 4 values, expected at most 3: x, y, w", "a bracket is not closed", "'y' is 'fast'"):
         assert text in caplog.text
@@ -185,7 +176,7 @@ def test_a_wrong_bottle_is_refused_as_a_whole(
 )  # fmt: skip
 def test_a_client_with_another_protocol_is_disconnected(load: Callable[..., Any], names: Names, data: bytes) -> None:
     sim = load(names.port, BOTH)
-    until(sim, lambda: MOTION in names.known)
+    step_until(sim, lambda: MOTION in names.known)
     with socket.create_connection(names.known[MOTION], timeout=LIMIT) as stranger:
         try:
             stranger.sendall(data)
@@ -196,13 +187,13 @@ def test_a_client_with_another_protocol_is_disconnected(load: Callable[..., Any]
     # the port still serves others
     line = Line(names.known[MOTION])
     line.say("d", "0.5")
-    until(sim, lambda: sim.context.components["robot.motion"].local_data["x"] == 0.5)
+    step_until(sim, lambda: sim.context.components["robot.motion"].local_data["x"] == 0.5)
     line.close()
 
 
 def test_the_ports_are_on_this_machine_only(load: Callable[..., Any], names: Names) -> None:
     sim = load(names.port, BOTH)
-    until(sim, lambda: {POSE, MOTION} <= names.known.keys())
+    step_until(sim, lambda: {POSE, MOTION} <= names.known.keys())
     assert {host for name, (host, _) in names.known.items() if name.startswith("/morse")} == {"127.0.0.1"}
     with socket.socket() as other:
         # another address of the loopback network: a port on all interfaces would answer
@@ -218,12 +209,12 @@ def test_ports_are_registered_when_a_name_server_comes_and_removed_at_the_end(
     port = names.port
     names.close()
     sim = load(port, BOTH)
-    until(sim, lambda: "there is no name server" in caplog.text)
+    step_until(sim, lambda: "there is no name server" in caplog.text)
     came = Names(port)
-    until(sim, lambda: {POSE, MOTION} <= came.known.keys())
+    step_until(sim, lambda: {POSE, MOTION} <= came.known.keys())
     # a name server that is started again knows nothing
     came.known.clear()
-    until(sim, lambda: {POSE, MOTION} <= came.known.keys())
+    step_until(sim, lambda: {POSE, MOTION} <= came.known.keys())
     sim.close()
     assert not came.known
     came.close()
@@ -239,18 +230,18 @@ def test_the_port_of_another_program_is_not_taken_away(
     monkeypatch.setattr("morse.plugins.yarp.ports._CHECK", 0.02)
     names.known[POSE] = reader.address
     sim = load(names.port, BOTH)
-    until(sim, lambda: f"{POSE} is the port of another program" in caplog.text and MOTION in names.known)
+    step_until(sim, lambda: f"{POSE} is the port of another program" in caplog.text and MOTION in names.known)
     assert names.known[POSE] == reader.address
     # it ends without saying so
     reader.close()
-    until(sim, lambda: names.known[POSE] != reader.address)
+    step_until(sim, lambda: names.known[POSE] != reader.address)
 
 
 def test_the_ports_of_a_deleted_robot_are_closed(load: Callable[..., Any], names: Names) -> None:
     sim = load(names.port, BOTH)
-    until(sim, lambda: {POSE, MOTION} <= names.known.keys())
+    step_until(sim, lambda: {POSE, MOTION} <= names.known.keys())
     sim.delete("robot")
-    until(sim, lambda: not names.known.keys() & {POSE, MOTION})
+    step_until(sim, lambda: not names.known.keys() & {POSE, MOTION})
 
 
 def test_a_name_server_that_does_not_answer_holds_nobody_up(
@@ -273,7 +264,7 @@ def test_a_reader_that_stops_reading_loses_messages_and_holds_nobody_up(
     load: Callable[..., Any], names: Names, reader: Reader, caplog: pytest.LogCaptureFixture
 ) -> None:
     sim = load(names.port, BOTH)
-    until(sim, lambda: POSE in names.known)
+    step_until(sim, lambda: POSE in names.known)
 
     def work() -> None:
         with ThreadPoolExecutor(1) as pool:
@@ -283,13 +274,13 @@ def test_a_reader_that_stops_reading_loses_messages_and_holds_nobody_up(
 
     meanwhile(sim, work)
     # nothing is acknowledged
-    until(sim, lambda: f"/reader is too slow for {POSE}" in caplog.text)
+    step_until(sim, lambda: f"/reader is too slow for {POSE}" in caplog.text)
     assert sim.ticks >= 64
     reader.close()
     port = sim.context.stream_managers["morse.middleware.yarp_datastream.YarpDatastreamManager"].streams["robot.pose"][
         0
     ]
-    until(sim, lambda: not port.port.outputs)
+    step_until(sim, lambda: not port.port.outputs)
 
 
 def test_two_components_cannot_have_one_port(load: Callable[..., Any], names: Names) -> None:
@@ -302,10 +293,10 @@ def test_two_components_cannot_have_one_port(load: Callable[..., Any], names: Na
 
 def test_json_texts_are_carried_both_ways(load: Callable[..., Any], names: Names, reader: Reader) -> None:
     sim = load(names.port, BOTH.replace('"yarp"', '"yarp_json"'))
-    until(sim, lambda: {POSE, MOTION} <= names.known.keys())
+    step_until(sim, lambda: {POSE, MOTION} <= names.known.keys())
     line = Line(names.known[MOTION])
     line.say("d", r'"{\"w\": 0.5}"')
-    until(sim, lambda: sim.context.components["robot.motion"].local_data["w"] == 0.5)
+    step_until(sim, lambda: sim.context.components["robot.motion"].local_data["w"] == 0.5)
     line.close()
 
     def work() -> list[Any]:
@@ -321,10 +312,10 @@ def test_json_texts_are_carried_both_ways(load: Callable[..., Any], names: Names
 
 def test_a_bottle_becomes_a_dictionary_where_the_field_is_one(load: Callable[..., Any], names: Names) -> None:
     sim = load(names.port, "light = Light(); robot.append(light)\nrobot.add_default_interface('yarp')\n")
-    until(sim, lambda: "/morse/robot/light/in" in names.known)
+    step_until(sim, lambda: "/morse/robot/light/in" in names.known)
     data = sim.context.components["robot.light"].local_data
     line = Line(names.known["/morse/robot/light/in"])
     for word, wanted in (("0", False), ("true", True), ("false", False), ("1", True)):
         line.say("d", word)
-        until(sim, lambda wanted=wanted: data["emit"] is wanted)
+        step_until(sim, lambda wanted=wanted: data["emit"] is wanted)
     line.close()
