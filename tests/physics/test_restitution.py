@@ -20,23 +20,29 @@ SLOPE = """
 """
 
 
-def _rebound(tmp_path: Path, restitution: float, mesh: trimesh.Trimesh, height: float, bottom: float) -> float:
-    """The ratio of the speeds after and before the impact of a body on the floor."""
+def _heights(tmp_path: Path, restitution: float, mesh: trimesh.Trimesh, height: float, bottom: float) -> list[float]:
+    """The heights of the bounces of a body on the floor, m."""
     mesh.export(tmp_path / "body.obj")
     text = f"from morse.builder import *\nbody = PassiveObject({str(tmp_path / 'body.obj')!r})\n"
     text += f"body.translate(1, 0, {bottom + height})\nbody.set_restitution({restitution})\nbody.set_damping(0, 0)\n"
     (tmp_path / "scene.py").write_text(text + "env = Environment('empty', fastmode=True)\n")
+    heights, speed = [], -1.0
     with morse.load(tmp_path / "scene.py") as sim:
         body = sim.world.game_object("body")
-        highest, falls, before = 0.0, True, body.world_pose()[0][2]
-        for _ in range(240):
+        for _ in range(300):
             sim.step(1)
-            z = body.world_pose()[0][2]
-            falls = falls and z < before
-            if not falls:
-                highest = max(highest, z - bottom)
-            before = z
-    return math.sqrt(max(highest, 0.0) / height)
+            z, before = body.world_pose()[0][2] - bottom, speed
+            speed = float(sim.world.data.qvel[2])
+            if before > 0.0 >= speed:
+                # the apex, within this tick
+                heights.append(z + speed**2 / (2.0 * 9.81))
+    return heights
+
+
+def _rebound(tmp_path: Path, restitution: float, mesh: trimesh.Trimesh, height: float, bottom: float) -> float:
+    """The ratio of the speeds after and before the impact of a body on the floor."""
+    heights = _heights(tmp_path, restitution, mesh, height, bottom)
+    return math.sqrt(max(heights[0], 0.0) / height) if heights else 0.0
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.2, 0.3, 0.4, 0.6, 0.9])
@@ -44,6 +50,15 @@ def _rebound(tmp_path: Path, restitution: float, mesh: trimesh.Trimesh, height: 
 def test_balls_bounce_as_asked(tmp_path: Path, restitution: float, height: float) -> None:
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.15)
     assert _rebound(tmp_path, restitution, ball, height, 0.15) == pytest.approx(restitution, abs=0.05)
+
+
+@pytest.mark.parametrize("restitution", [0.7, 0.8, 0.9])
+@pytest.mark.parametrize("height", [0.5, 1.0])
+def test_three_bounces_are_as_high_as_asked(tmp_path: Path, restitution: float, height: float) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.15)
+    heights = _heights(tmp_path, restitution, ball, height, 0.15)
+    for number, reached in enumerate(heights[:3], 1):
+        assert (reached / height) ** (0.5 / number) == pytest.approx(restitution, rel=0.008)
 
 
 def test_a_box_of_another_mass_bounces_as_asked(tmp_path: Path) -> None:

@@ -17,6 +17,11 @@ PENDULUM = """
   <joint type="hinge" axis="0 1 0"/><inertial pos="0 0 -1" mass="1" diaginertia="1e-3 1e-3 1e-3"/>
 </body></worldbody></mujoco>
 """
+TOP = """
+<mujoco model="top"><option integrator="{integrator}" timestep="0.00208"/><worldbody>
+  <body name="top_link" pos="0 0 1" euler="30 0 0"><joint type="ball"/>
+  <inertial pos="0 0 0.1" mass="1" diaginertia="0.012 0.012 0.02"/></body></worldbody></mujoco>
+"""
 SLOPE = """
 <mujoco><worldbody><geom name="ground" type="plane" size="50 50 1" euler="0 {angle} 0"/></worldbody></mujoco>
 """
@@ -30,9 +35,11 @@ def figures() -> Iterator[Figure]:
     for angle, friction in ((20, 0.5), (28, 0.5), (36, 0.3)):
         yield slope(angle, friction)
     yield from projectile()
-    for restitution in (0.2, 0.5, 0.9):
+    for restitution in (0.2, 0.5, 0.8, 0.9):
         yield bounce(restitution)
     yield spin()
+    yield top("RK4", 0.1, "steady precession of a heavy top")
+    yield top("implicitfast", 5.0, "as above; of first order, as the default is: the error is proportional to the step")
     yield from raft()
     yield from wheels()
 
@@ -145,8 +152,26 @@ def bounce(restitution: float) -> Figure:
     lowest = next(k for k in range(1, len(heights)) if heights[k] > heights[k - 1])
     measured = math.sqrt(max(*heights[lowest:], 0.0))
     return Figure(
-        f"ball with restitution {restitution}", "speed after / before", restitution, measured, 0.05, "its definition"
+        f"ball with restitution {restitution}", "speed after / before", restitution, measured, 0.02, "its definition"
     )
+
+
+def top(integrator: str, tolerance: float, source: str) -> Figure:
+    """The tilt of a top on a ball joint, which precesses steadily."""
+    spin, tilt = 20.0, math.radians(30.0)
+    # moments about the pivot across the axis, and about the axis; the moment of the weight
+    across, along, weight = 0.012 + 0.1**2, 0.02, G * 0.1
+    a, b = across * math.cos(tilt), along * spin
+    rate = (b - math.sqrt(b * b - 4.0 * a * weight)) / (2.0 * a)
+    with scene(
+        "top = Robot('{folder}/top.xml')\nenv = Environment('empty', fastmode=True)",
+        {"top.xml": TOP.format(integrator=integrator)},
+    ) as sim:
+        sim.world.data.qvel[:3] = (0.0, rate * math.sin(tilt), spin)
+        sim.step(180)
+        axis = sim.world.game_object("top_link").world_pose()[1]
+    measured = math.degrees(math.acos(axis[8]))
+    return Figure(f"top of 20 rad/s, {integrator}", "tilt after 3 s, °", 30.0, measured, tolerance, source)
 
 
 def spin() -> Figure:

@@ -29,6 +29,9 @@ PICTURES = {
 ![Height over distance of a thrown ball: simulation and formula](measured/arc.svg)
 
 The dots are the ball of the simulation, twelve for each second; the line is the formula.
+
+The integrator takes its share of a fast spin: that of the default, `implicitfast`, is of first order, and a top of 20 rad/s
+stands up by 0.15° a second at a step of 2 ms. A file with `<option integrator="RK4"/>` keeps the tilt to 1e-7°.
 """,
     "Sensors": """
 ![Allan deviation over time of a gyroscope: simulation and data sheet](measured/allan.svg)

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 #: into a wall penetrates it by 10 mm
 MAX_STEP = 1.0 / 240.0
 #: that of scenes with bodies that bounce: gravity acts during an impact, and takes speed in proportion to its duration
-BOUNCING_STEP = 1.0 / 480.0
+BOUNCING_STEP = 1.0 / 1920.0
 #: default friction coefficient
 DEFAULT_FRICTION = 0.7
 #: sum of the inertias for which the tolerance of the solver holds, kg: that of one robot

@@ -16,10 +16,12 @@ from functools import cache
 
 #: time constant of the spring, steps of the engine: with fewer, the time of the impact within a step matters, and with
 #: more, bodies at rest sink in deeper
-_STEPS = 5.0
+_STEPS = 10.0
 #: restitution of the largest damping
 _LEAST = 0.005
-_GRAVITY = 0.24
+#: what gravity and the steps of the engine take of the ratio of the speeds, of bodies that hardly bounce; measured with
+#: steps of 1/1920 s at 3 m/s, after a fall of 0.46 m, for which the mean over all times within a step is then exact
+_TAKEN = 0.043
 #: constant stiffness of contacts from the first touch on
 IMPEDANCE = (0.95, 0.95, 0.001, 0.5, 2.0)
 
@@ -27,8 +29,7 @@ IMPEDANCE = (0.95, 0.95, 0.001, 0.5, 2.0)
 def solver_of(restitution: float, step: float) -> tuple[float, float]:
     """Return ``solref`` of the shapes of a body, for a restitution from 0 to 1 and the time step of the engine, s."""
     rate = 1.0 / (_STEPS * step)
-    # what gravity takes during the contact, of an impact at some metres per second
-    restitution += _GRAVITY * restitution * (1.0 - restitution) ** 2
+    restitution += _TAKEN * (1.0 - restitution) ** 2
     # more damping would reverse the velocity within a step
     damping = min(2.0 * _damping_ratio(max(restitution, _LEAST)) * rate, 1.0 / step)
     return -rate * rate, -damping
