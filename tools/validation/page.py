@@ -30,7 +30,7 @@ PICTURES = {
 
 The dots are the ball of the simulation, twelve for each second; the line is the formula.
 
-The integrator takes its share of a fast spin: that of the default, `implicitfast`, is of first order, and a top of 20 rad/s
+The integrator takes its share of a fast spin: the default, `implicitfast`, is of first order, and a top of 20 rad/s
 stands up by 0.15° a second at a step of 2 ms. A file with `<option integrator="RK4"/>` keeps the tilt to 1e-7°.
 """,
     "Sensors": """
