@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-TABLE = (Path(__file__).parents[2] / "docs/architecture.md").read_text(encoding="utf-8")
+TABLE = (Path(__file__).parents[2] / "docs/budgets.md").read_text(encoding="utf-8")
 TABLE = TABLE.partition("## Budgets of clients")[2].partition("\n## ")[0]
 KB, MB = 1 << 10, 1 << 20
 #: module, name, value, beginning of the row, and text in it
@@ -51,7 +51,7 @@ ROWS = [
     ("middleware.socket.service_client", "MAX_UNREAD", 16 * MB, "of the socket: unread", "16 MB"),
     ("viewer.protocol", "MAX_MESSAGE", 256 * KB, "of the live view: a message;", "256 KB"),
     ("viewer.hub", "MOST_EVENTS", 1000, "of the live view: a message;", "1,000"),
-    ("viewer.requests", "MOST_REQUESTS", 256, "of the live view: a message;", "; 256 |"),
+    ("viewer.page", "MOST_REQUESTS", 256, "of the live view: a message;", "; 256 |"),
     ("viewer.page", "MOST_WAITING", 5000, "of the live view: messages", "5,000"),
     ("middleware.web.server", "MAX_MESSAGE", MB, "of rosbridge and Foxglove", "1 MB"),
     ("middleware.web.requests", "MOST_CALLS", 256, "of rosbridge and Foxglove", "256"),
