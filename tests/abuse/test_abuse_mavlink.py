@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import socket
 
+from morse.plugins.mavlink.datastream import Intake
 from morse.plugins.mavlink.framing import Framer
-from morse.plugins.mavlink.intake import Intake
 from morse.plugins.mavlink.links import UdpLink
 
 WANTED = 76  # COMMAND_LONG

@@ -16,7 +16,7 @@ from morse.core.clients.acceptors import Acceptor
 from morse.core.clients.acceptors.streams import AcceptedProtocol, StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.network import Network
-from morse.middleware.socket import time_sync
+from morse.middleware.socket import datastream
 from morse.plugins.mavlink.links import open_link
 from morse.plugins.multinode.server import MultinodeServer
 from morse.wire.listener import listen, port_of
@@ -196,10 +196,10 @@ def test_one_who_connects_to_the_sync_port_and_says_nothing_does_not_stop_time(
 
         def wait(self, seconds: float) -> None: ...
 
-    monkeypatch.setattr(time_sync, "_PATIENCE", 0.0)
+    monkeypatch.setattr(datastream, "_PATIENCE", 0.0)
     listener = listen("127.0.0.1", (0,))
     number = port_of(listener)
-    sync = time_sync.TimeSync(Context(), listener)  # type: ignore[arg-type] # it uses no more
+    sync = datastream.TimeSync(Context(), listener)  # type: ignore[arg-type] # it uses no more
     network.call(sync.start())
     with connect(number):
         wait_until(lambda: sync._server.connected)

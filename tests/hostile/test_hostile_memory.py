@@ -15,7 +15,7 @@ from morse.middleware.foxglove.client import FoxgloveClient
 from morse.middleware.rosbridge.client import RosbridgeClient
 from morse.middleware.web.client import WebClient
 from morse.middleware.web.requests import WebRequestManager
-from morse.plugins.yarp.waiting import WaitingBottles
+from morse.plugins.yarp.ports import WaitingBottles
 from morse.viewer import page_messages as pm
 from morse.viewer.hub import Hub
 from morse.viewer.page import Page

@@ -26,13 +26,13 @@ from event_loops import run_apart
 from morse.builder import ATRV, Environment, MotionVW, Pose
 from morse.core.clients.network import Network
 from morse.plugins.mavlink import framing, links
+from morse.plugins.mavlink.datastream import Intake
 from morse.plugins.mavlink.framing import Framer
-from morse.plugins.mavlink.intake import Intake
 from morse.plugins.mavlink.links import UdpLink, open_link
-from morse.plugins.moos.packets import check_packet
+from morse.plugins.moos.database import check_packet
 from morse.plugins.multinode.server import MultinodeServer
-from morse.plugins.yarp.names import Address, NameServer, is_alive
 from morse.plugins.yarp.port import Port
+from morse.plugins.yarp.wire import Address, NameServer, is_alive
 from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
 
@@ -55,7 +55,7 @@ def network() -> Iterator[Network]:
 @pytest.mark.parametrize("word", ["'1' * 131_000 + 'x'", "'1.' + '1' * 131_000 + 'x'", "'1e' + '1' * 131_000 + 'x'"])
 def test_a_long_word_that_is_not_quite_a_number_is_read_in_linear_time(word: str) -> None:
     """It took minutes, in which no other thread ran."""
-    code = f"from morse.plugins.yarp.bottle_text import from_text; assert from_text({word}) == [{word}]"
+    code = f"from morse.plugins.yarp.bottle import from_text; assert from_text({word}) == [{word}]"
     subprocess.run([sys.executable, "-c", code], timeout=MINUTE, check=True)
 
 

@@ -13,8 +13,7 @@ from morse.builder import ATRV, Environment, MotionVW
 from morse.middleware.foxglove import parameters as of_foxglove
 from morse.middleware.foxglove.client import FoxgloveClient
 from morse.middleware.ros2 import parameters as of_ros2
-from morse.middleware.rosbridge.fragments import Parts, Puzzle
-from morse.middleware.rosbridge.operations import parse
+from morse.middleware.rosbridge.client import Parts, Puzzle, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,7 +10,7 @@ import pytest
 import morse
 from morse.core.clients.time_share import TimeShares
 from morse.core.request_manager import OfferedService
-from morse.middleware.rosbridge.request_manager import RosbridgeRequestManager
+from morse.middleware.rosbridge.datastream import RosbridgeRequestManager
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher
 from socket_bench import Bench, Peer
 
-from morse.middleware.socket import frame_client
+from morse.middleware.socket import frames as binary_frames
 from pymorse import frames
 from tests.waiting import wait_until
 
@@ -271,7 +271,7 @@ def test_a_client_that_asks_without_reading_is_disconnected(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.WARNING)
-    monkeypatch.setattr(frame_client, "MAX_NOTICES", 1000)
+    monkeypatch.setattr(binary_frames, "MAX_NOTICES", 1000)
     bench.sensor(port=0)
     deaf = Reader(binary_port(bench))
     wait_until(lambda: bench.streams._binary.connected == 1)

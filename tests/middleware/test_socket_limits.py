@@ -21,10 +21,11 @@ from morse.core.clients.complaints import Complaints
 from morse.core.services import concurrent_service
 from morse.middleware.socket.request_manager import Calls
 from morse.middleware.socket.turns import Turns
-from morse.wire import limits, lines
+from morse.wire import lines
+from morse.wire import server as servers
 from morse.wire.encoding import from_json, to_json
 from morse.wire.inbox import Inbox
-from morse.wire.limits import Budget, limits_of
+from morse.wire.server import Budget, limits_of
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -175,9 +176,9 @@ def test_requests_that_wait_have_a_limit(bench: Bench) -> None:
     for peer in peers:
         peer.send(request * 3)
     wait_until(lambda: len(bench.requests._inbox) == 9)
-    assert limits.MAX_HELD - budget.left < 9 * 600_000
+    assert servers.MAX_HELD - budget.left < 9 * 600_000
     bench.tick_until(lambda: all(len(peer.lines()) == 3 for peer in peers))
-    wait_until(lambda: budget.left == limits.MAX_HELD)
+    wait_until(lambda: budget.left == servers.MAX_HELD)
     for peer in peers:
         peer.close()
 
@@ -210,10 +211,10 @@ def test_messages_to_all_actuators_have_a_limit_together() -> None:
 
 def test_many_listeners_share_what_may_be_unsent(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     few = limits_of(bench.context.network).high_water()
-    monkeypatch.setattr(limits.Limits, "connected", 10_000)
+    monkeypatch.setattr(servers.Limits, "connected", 10_000)
     many = limits_of(bench.context.network).high_water()
     assert few == 1 << 18
-    assert 10_000 * many <= limits.MAX_UNSENT
+    assert 10_000 * many <= servers.MAX_UNSENT
 
 
 def test_all_connections_together_have_a_limit(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -231,7 +232,7 @@ def test_all_connections_together_have_a_limit(bench: Bench, monkeypatch: pytest
 def test_a_listener_that_takes_its_messages_stays(bench: Bench) -> None:
     pose = bench.sensor(port=0)
     listener = bench.connect("robot1.pose")
-    idle = [bench.connect("robot1.pose") for _ in range(limits.MAX_CLIENTS + 50)]
+    idle = [bench.connect("robot1.pose") for _ in range(servers.MAX_CLIENTS + 50)]
     for n in range(20):
         pose.local_data["temperature"] = float(n)
         bench.tick()

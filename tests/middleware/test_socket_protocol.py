@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.middleware.socket.protocol import MalformedRequest, format_failure, format_reply, parse_request
+from morse.middleware.socket.service_client import MalformedRequest, format_failure, format_reply, parse_request
 
 words = st.text(st.characters(exclude_categories=("Z", "C")), min_size=1)
 blanks = st.text(" \t\r\f\v", min_size=1)

@@ -17,7 +17,7 @@ from morse.core import status
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import service_client
 from morse.middleware.socket.request_manager import SocketRequestManager
-from morse.wire.limits import MAX_CLIENTS
+from morse.wire.server import MAX_CLIENTS
 from tests.waiting import wait_until
 
 

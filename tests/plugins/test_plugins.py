@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from morse.core.classes.classpath import load_class
 from morse.middleware import registry
 from morse.version import __version__
 
@@ -85,6 +86,13 @@ def test_a_plugin_has_its_text_its_tests_and_its_entry_points(plugin: str):
     assert 5 <= text.count("\n") <= 14
     assert list((ROOT / "tests" / "plugins" / plugin).glob("test_*.py"))
     assert any(re.match(rf"morse\.plugins\.{plugin}[.:]", value) for value in POINTS.values())
+
+
+@pytest.mark.parametrize("name", sorted(registry.installed()))
+def test_the_class_paths_of_a_description_are_those_of_classes(name: str):
+    entry = registry.installed()[name]
+    for path in (entry.stream_manager, entry.request_manager, entry.default_publisher, entry.default_reader):
+        assert path is None or isinstance(load_class(path), type)
 
 
 @pytest.mark.parametrize(

@@ -60,8 +60,8 @@ def test_the_colour_camera_of_a_kinect_is_at_its_left(load: Callable[[str], Scen
 @pytest.mark.parametrize(
     ("middleware", "method", "used"),
     [
-        ("yarp", "morse.middleware.yarp_datastream.YarpPublisher", "morse.middleware.yarp.streams.YarpPublisher"),
-        ("moos", "morse.middleware.moos.PoseNotifier", "morse.middleware.moos.streams.MoosPublisher"),
+        ("yarp", "morse.middleware.yarp_datastream.YarpPublisher", "morse.middleware.yarp_datastream.YarpPublisher"),
+        ("moos", "morse.middleware.moos.PoseNotifier", "morse.plugins.moos.datastream.MoosPublisher"),
         ("text", "morse.middleware.text_datastream.CSVPublisher", "morse.middleware.text_datastream.CSVPublisher"),
         ("ros", "morse.middleware.ros.pose.TFPublisher", "morse.middleware.ros.pose.TFPublisher"),
         ("socket", "my_lab.streams.Sender", "my_lab.streams.Sender"),

@@ -30,7 +30,7 @@ from morse.core.reports import printing
 from morse.core.reports.printing import echo
 from morse.kernel import loading
 from morse.middleware import registry
-from morse.middleware.ros2.backends.choice import available
+from morse.middleware.ros2.domain import available
 from morse.system import extras
 from morse.system.extras import REINSTALL, install
 from morse.system.shared_folders import expanded

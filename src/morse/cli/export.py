@@ -193,7 +193,7 @@ def _recorded(file: str) -> tuple[dict[str, str], None]:
 
 def _of_scene(file: str) -> tuple[dict[str, str], dict[str, str]]:
     import morse
-    from morse.middleware.foxglove.hub import FoxgloveHub
+    from morse.middleware.foxglove.datastream import FoxgloveHub
     from morse.middleware.web.hub import hub_of
 
     with morse.load(resolve([file]).script, sockets=True, interfaces=["foxglove"]) as simulation:

@@ -6,35 +6,32 @@ from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
-from pathlib import Path
 from types import ModuleType
 
 from morse.core.datastream import AbstractDatastream
 
-# scripts of MORSE 1.4 name modules of this package, such as `morse.middleware.socket_datastream`
-__path__.append(str(Path(__file__).parent / "legacy"))
-
 
 class _OldModules(MetaPathFinder, Loader):
-    """Finds the modules that middlewares declare as `old_modules`: under both paths they are one module."""
+    """Finds the modules that middlewares declare as `old_modules`: under both paths they are one module.
+
+    Scripts of MORSE 1.4 name such modules: `morse.middleware.socket_datastream`.
+    """
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        parent, _, name = fullname.rpartition(".")
+        parent = fullname.rpartition(".")[0]
         if parent == __name__:
             there = PathFinder.find_spec(fullname, path)
             # a folder without a module is what an older checkout has left there
             if there is not None and there.origin is not None:
                 return None
-            from morse.middleware.registry import present_module
-
-            present = present_module(fullname)
-        elif parent.startswith(f"{__name__}.") and parent in sys.modules:
-            above = sys.modules[parent].__name__
-            present = f"{above}.{name}" if above != parent else None
-        else:
+        # below a package of today, all modules are where they seem to be
+        elif not parent.startswith(f"{__name__}.") or sys.modules[parent].__name__ == parent:
             return None
+        from morse.middleware.registry import present_module
+
+        present = present_module(fullname)
         if present is None or (found := find_spec(present)) is None:
             return None
         return ModuleSpec(fullname, self, origin=present, is_package=found.submodule_search_locations is not None)

@@ -203,11 +203,9 @@ def missing_modules(managers: Iterable[str]) -> dict[str, str]:
 
 def present_module(old: str) -> str | None:
     """The path of a module that scripts import by an old path below ``morse.middleware``; None if there is none."""
-    for entry in installed().values():
-        for path, present in entry.old_modules.items():
-            if old == path or old.startswith(f"{path}."):
-                return present + old.removeprefix(path)
-    return None
+    paths = {path: present for entry in installed().values() for path, present in entry.old_modules.items()}
+    found = max((path for path in paths if f"{old}.".startswith(f"{path}.")), key=len, default=None)
+    return None if found is None else paths[found] + old.removeprefix(found)
 
 
 def middleware(name: str) -> Middleware:

@@ -16,7 +16,7 @@ import numpy as np
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
@@ -47,47 +47,6 @@ def encode(type_name: str, message: RosMessage) -> bytes:
     buffer = bytearray(_HEADER)
     _struct_writer(type_name)(buffer, message)
     return bytes(buffer)
-
-
-def encode_stamped(
-    type_name: str, stamp: int, frame_id: str, numbers: Sequence[float], child_frame_id: str | None = None
-) -> bytes:
-    """Encode a message with a header and a fixed number of other numbers, in one step.
-
-    Args:
-        type_name: such as ``geometry_msgs/msg/PoseStamped``.
-        stamp: ns.
-        frame_id: of the header.
-        child_frame_id: the string between the header and the numbers; None if the message has none.
-        numbers: all other numbers of the message, in the order of their definition.
-
-    Raises:
-        struct.error: a wrong number of numbers, or a number that does not fit its field.
-    """
-    pack, texts = _stamped(type_name, frame_id, child_frame_id)
-    return pack(_HEADER, stamp // _SECOND, stamp % _SECOND, *texts, *numbers)
-
-
-@lru_cache(maxsize=4096)
-def _stamped(type_name: str, frame_id: str, child_frame_id: str | None) -> tuple[Callable[..., bytes], list[bytes]]:
-    """Packs a message whose header has that frame; its offsets depend on the length of the names."""
-    header, *rest = fields_of(type_name)
-    texts = [_string_bytes(frame_id)]
-    begin = _STAMP_SIZE + len(texts[0])
-    form = f"<4siI{len(texts[0])}s"
-    if child_frame_id is not None and rest[0].type == "string":
-        del rest[0]
-        gap = -begin % 4
-        texts.append(_string_bytes(child_frame_id))
-        begin += gap + len(texts[1])
-        form += f"{gap}x{len(texts[1])}s"
-    letters = ""
-    for field in rest:
-        inner = PRIMITIVES.get(field.type) or (None if field.type == "string" else _letters(field.type))
-        if header.type != "std_msgs/msg/Header" or inner is None or field.size == SEQUENCE:
-            raise ValueError(f"{type_name} is not a header and a fixed number of numbers")
-        letters += inner * max(field.size, 1)
-    return struct.Struct(form + _padding(letters, begin)).pack, texts
 
 
 def encode_rows(type_name: str, message: RosMessage, count: int) -> NDArray[np.uint8]:
@@ -155,7 +114,6 @@ def _write_header(buffer: bytearray, value: RosMessage) -> None:
 _NAME = 100
 _HEADER_FIELDS = frozenset(("stamp", "frame_id"))
 _STAMP = struct.Struct("<iI").pack
-_STAMP_SIZE, _SECOND = 8, 10**9
 
 
 @lru_cache(maxsize=4096)

@@ -24,14 +24,12 @@ from morse.rosmsgs.parts import (
     product,
     quaternion,
     quaternion_of,
-    three,
     xyz,
-    xyzw,
 )
 from morse.rosmsgs.table import Outlet
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
@@ -84,9 +82,6 @@ def _array(component: Object, name: str) -> Callable[[Message, str], RosMessage]
         return {"layout": {"dim": dimensions}, "data": array}
 
     return make
-
-
-_UNKNOWN = (0.0,) * 36
 
 
 def kinds_of(component: Object, options: Mapping[str, object]) -> tuple[BoundKind, ...]:
@@ -230,15 +225,6 @@ class ComponentMessages:
             self._known_motion = message, motion
         return motion
 
-    def odometry_numbers(self, message: Message, mounting: Transformation3d | None = None) -> tuple[float, ...]:
-        """The numbers of `odometry`."""
-        pose, linear, angular = self.motion(message, mounting)
-        of_pose, of_twist = self._covariances(message, pose, mounting)
-        return (
-            *three((pose.x, pose.y, pose.z)), *xyzw(quaternion_of(pose)), *_numbers(of_pose),
-            *three(linear), *three(angular), *_numbers(of_twist),
-        )  # fmt: skip
-
     def _covariances(self, message: Message, pose: Transformation3d, mounting: Transformation3d | None) -> Any:
         """The covariances of pose and twist of the robot; None if they are unknown."""
         if message.pose_covariance is None and message.twist_covariance is None:
@@ -272,14 +258,6 @@ class ComponentMessages:
                 "covariance": covariance(of_twist),
             },
         }
-
-
-def _numbers(matrix: object) -> Sequence[float]:
-    """The 36 numbers of a covariance; None becomes all zeros, which means unknown."""
-    if matrix is None:
-        return _UNKNOWN
-    numbers: list[float] = np.asarray(matrix, dtype=np.float64).reshape(-1).tolist()
-    return numbers
 
 
 def _placed(mounting: Mounting) -> Transformation3d:

@@ -128,11 +128,6 @@ def _unit_rows(*parts: NDArray[np.float64]) -> tuple[object, object, object, obj
         )
 
 
-def three(vector: Sequence[float] | None) -> tuple[float, ...]:
-    """The numbers of `xyz`."""
-    return (0.0, 0.0, 0.0) if vector is None else tuple(floats(vector))
-
-
 def covariance(matrix: object) -> Any:
     """Row by row; None becomes all zeros, which means unknown."""
     if matrix is None:

@@ -46,9 +46,8 @@ class Outlet(NamedTuple):
         or_none: nothing is published if the backend does not have the type.
         takes_long: `make` takes so long that it is called in another thread while the simulation is paced by the wall
             clock. It must then use nothing but the message, whose arrays do not change.
-        numbers: for messages of a header and a fixed number of numbers: returns these, which `make` describes by name.
-        has_child: whether the message has a ``child_frame_id`` after the header.
-        is_detached: `make` and `numbers` use nothing but the message, and the pose of a sensor in its rigid group; they
+        is_of_robot: whether `make` is `Carrier.odometry`, which depends on the pose of the sensor on the robot.
+        is_detached: `make` uses nothing but the message, and the pose of a sensor in its rigid group; they
             take vectors as sequences of numbers, too. Another thread may call them later.
         by_rows: `make` uses nothing but the message, and also takes many messages at once, whose slots have a first
             axis of rows; words are the same in all rows.
@@ -62,8 +61,7 @@ class Outlet(NamedTuple):
     instead: Any = None
     or_none: bool = False
     takes_long: bool = False
-    numbers: Callable[[Message], tuple[float, ...]] | None = None
-    has_child: bool = False
+    is_of_robot: bool = False
     is_detached: bool = False
     by_rows: bool = False
 
@@ -113,9 +111,6 @@ class Carrier(Protocol):
 
     def odometry(self, message: Message, frame: str) -> RosMessage:
         """``nav_msgs/Odometry`` of the robot."""
-
-    def odometry_numbers(self, message: Message) -> tuple[float, ...]:
-        """The numbers of `odometry`."""
 
 
 def topics(*kinds: str, direction: str = OUT) -> Callable[[_F], _F]:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from effort import examples
-from morse.middleware.mqtt.limits import PacketLimits
+from morse.middleware.mqtt.broker import PacketLimits
 
 
 def packet(first: int, body: bytes) -> bytes:

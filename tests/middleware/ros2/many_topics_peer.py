@@ -11,8 +11,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from morse.middleware.ros2.backends.cyclone import _LOOPBACK
-from morse.middleware.ros2.backends.cyclone_types import sample_type
+from morse.middleware.ros2.backends.cyclone import _LOOPBACK, sample_type
 
 os.environ["CYCLONEDDS_URI"] = _LOOPBACK
 

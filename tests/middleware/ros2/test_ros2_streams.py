@@ -237,7 +237,7 @@ def test_nothing_is_imported_unless_a_scene_asks_for_it(tmp_path: Path) -> None:
 def test_where_nothing_is_installed_the_error_names_the_line_that_installs_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("morse.middleware.ros2.backends.choice.find_spec", lambda name: None)
+    monkeypatch.setattr("morse.middleware.ros2.domain.find_spec", lambda name: None)
     scene = tmp_path / "scene.py"
     scene.write_text(SCENE.format(components="pose = Pose(); robot.append(pose)", options="", name="robot"))
     with pytest.raises(MorseError, match=r'scene\.py:\d+.*pip install "cyclonedds>=11,<12"'):

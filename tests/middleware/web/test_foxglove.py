@@ -14,7 +14,7 @@ from websockets.exceptions import InvalidHandshake
 from websockets.sync.client import connect
 
 import morse
-from morse.middleware.foxglove.hub import FoxgloveHub
+from morse.middleware.foxglove.datastream import FoxgloveHub
 from morse.middleware.web.hub import hub_of
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from peers import talk
 from PIL import Image
 
 import morse
-from morse.middleware.foxglove.hub import FoxgloveHub
+from morse.middleware.foxglove.datastream import FoxgloveHub
 from morse.middleware.web.hub import hub_of
 
 #: where .ci/foxglove has installed the library

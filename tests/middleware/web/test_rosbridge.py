@@ -22,7 +22,7 @@ from websockets.sync.client import ClientConnection, connect
 import morse
 from morse.core.clients.budget import CLIENT_BYTES
 from morse.core.exceptions import MorseError
-from morse.middleware.rosbridge.hub import RosbridgeHub
+from morse.middleware.rosbridge.datastream import RosbridgeHub
 from morse.middleware.web.client import WebClient
 from morse.middleware.web.hub import hub_of
 from morse.middleware.web.topics import WebInlet
@@ -149,7 +149,7 @@ def time_of(message: dict[str, Any]) -> float:
 def test_nothing_is_encoded_for_nobody(start: Callable[..., tuple[Any, int]], monkeypatch: pytest.MonkeyPatch) -> None:
     sim, port = start("pose = Pose(); robot.append(pose)")
     sim.step(5)  # now the static frames are kept for later subscribers
-    monkeypatch.setattr("morse.middleware.rosbridge.json_form.encode", lambda *_: pytest.fail("nobody listens"))
+    monkeypatch.setattr("morse.middleware.rosbridge.forms.encode_json", lambda *_: pytest.fail("nobody listens"))
     sim.step(20)
     client = Client(sim, port)  # connected, but subscribed to nothing
     sim.step(20)

@@ -77,16 +77,16 @@ def test_cbor_has_what_json_cannot_say(start: Callable[..., tuple[Any, int]]) ->
     ],
 )  # fmt: skip
 def test_cbor_of_every_length(value: object) -> None:
-    from morse.middleware.rosbridge import cbor
+    from morse.middleware.rosbridge.forms import encode_cbor
 
-    assert cbor2.loads(cbor.encode(value)) == value
+    assert cbor2.loads(encode_cbor(value)) == value
 
 
 @pytest.mark.parametrize("kind", ["u2", "u4", "u8", "i1", "i2", "i4", "i8", "f4", "f8", "?", "u1", ">f4"])
 def test_cbor_of_arrays(kind: str) -> None:
-    from morse.middleware.rosbridge import cbor
+    from morse.middleware.rosbridge.forms import encode_cbor
 
-    decoded = cbor2.loads(cbor.encode(np.array([0, 1, 1], kind)))
+    decoded = cbor2.loads(encode_cbor(np.array([0, 1, 1], kind)))
     if kind == "?":
         assert decoded == [False, True, True]
     elif kind == "u1":
@@ -136,8 +136,7 @@ def test_fragments_that_are_none(start: Callable[..., tuple[Any, int]], operatio
 
 
 def test_fragments_that_never_end_take_little(start: Callable[..., tuple[Any, int]]) -> None:
-    from morse.middleware.rosbridge.fragments import MOST, Puzzle
-    from morse.middleware.rosbridge.operations import Operation
+    from morse.middleware.rosbridge.client import MOST, Operation, Puzzle
 
     puzzle = Puzzle()
     refused = 0

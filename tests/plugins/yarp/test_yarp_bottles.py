@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from morse.mathutils import Quaternion, Vector
 from morse.plugins.yarp import wire
-from morse.plugins.yarp.bottle import BottleError, Vocab, decode, encode
-from morse.plugins.yarp.bottle_text import from_text, to_text
-from morse.plugins.yarp.images import encode_image
+from morse.plugins.yarp.bottle import BottleError, Vocab, decode, encode, from_text, to_text
+from morse.plugins.yarp.datastream import encode_image
 
 #: of yarp/os/Bottle.h
 INT32, INT64, FLOAT64, STRING, VOCAB, LIST = 1, 17, 10, 4, 9, 256

@@ -50,7 +50,7 @@ def message(subscription: int, tail: bytes) -> bytes:
 
     Args:
         subscription: id that the client has chosen.
-        tail: time and data, see `morse.middleware.foxglove.hub.FoxgloveHub.frame`.
+        tail: time and data, see `morse.middleware.foxglove.datastream.FoxgloveHub.frame`.
     """
     return _HEAD.pack(_DATA, subscription) + tail
 

@@ -27,8 +27,8 @@ MIDDLEWARE = Middleware(
     stream_manager="morse.middleware.mqtt.datastream.MqttDatastreamManager",
     manager_options=MANAGER_OPTIONS,
     stream_options=STREAM_OPTIONS,
-    default_publisher="morse.middleware.mqtt.streams.MqttPublisher",
-    default_reader="morse.middleware.mqtt.streams.MqttReader",
+    default_publisher="morse.middleware.mqtt.datastream.MqttPublisher",
+    default_reader="morse.middleware.mqtt.datastream.MqttReader",
     # these classes carry cameras or nothing, and have no data
     not_carried=("StereoUnit", "MocapControl"),
     modules=("paho",),

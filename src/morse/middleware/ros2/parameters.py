@@ -14,7 +14,7 @@ from morse.core.reports.quoting import shown
 from morse.core.validation import checked_property
 from morse.core.validation.errors import PropertyError
 from morse.middleware.ros2 import NODE
-from morse.middleware.ros2.served import Served
+from morse.middleware.ros2.domain import Served
 from morse.rosmsgs.parts import as_json, from_json
 from morse.rosmsgs.services import VALUES
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import Property
     from morse.core.request_manager import Outcome
     from morse.core.values import RosMessage
-    from morse.middleware.ros2.served import Reply
+    from morse.middleware.ros2.domain import Reply
     from morse.rosmsgs.topics.backend import Backend
 
 #: constants of rcl_interfaces/ParameterType

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
     from morse.core.values import RosMessage, Value
-    from morse.middleware.ros2.served import Served
+    from morse.middleware.ros2.domain import Served
     from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
 logger = logging.getLogger(__name__)

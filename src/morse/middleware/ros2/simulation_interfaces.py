@@ -19,8 +19,8 @@ from morse.core.validation.names import check_name, word_of
 from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
 from morse.middleware.ros2 import NODE
+from morse.middleware.ros2.domain import Served
 from morse.middleware.ros2.entity_bounds import HULL, bounds, box_of, mistake, overlap
-from morse.middleware.ros2.served import Served
 from morse.middleware.ros2.simulation_steps import action_type
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, pose_of, quaternion, quaternion_of, xyz
 from morse.system.free_names import free_name
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
     from morse.core.values import RosMessage
-    from morse.middleware.ros2.served import Reply
+    from morse.middleware.ros2.domain import Reply
     from morse.rosmsgs.topics.backend import Backend
     from morse.scene.node import Node
     from morse.scene.scene import Zone

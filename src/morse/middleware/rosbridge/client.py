@@ -1,8 +1,9 @@
-"""One client of rosbridge."""
+"""One client of rosbridge, and the operations that arrive from it, also in fragments."""
 
 from __future__ import annotations
 
 import asyncio
+import itertools
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,15 +14,129 @@ from morse.core.reports.quoting import short
 from morse.core.status import PREEMPTED
 from morse.middleware.rosbridge import rosapi
 from morse.middleware.rosbridge.forms import COMPRESSIONS
-from morse.middleware.rosbridge.fragments import Parts, Puzzle
-from morse.middleware.rosbridge.operations import Operation, parse
 from morse.middleware.web.hub import HubClient
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from websockets.asyncio.server import ServerConnection
 
     from morse.middleware.web.hub import Hub
     from morse.middleware.web.topics import WebTopic
+
+
+Raw = msgspec.Raw
+
+
+class Operation(msgspec.Struct):
+    """An operation; fields that it does not use are ignored.
+
+    Attributes:
+        op: name of the operation.
+        id: chosen by the client; responses contain it, too.
+    """
+
+    op: str
+    id: str | int | None = None
+    topic: str | None = None
+    type: str | None = None
+    msg: Raw = Raw()
+    throttle_rate: float = 0.0
+    queue_length: float = 0.0
+    service: str | None = None
+    args: Raw = Raw()
+    level: str | None = None
+    compression: str | None = None
+    action: str | None = None
+    fragment_size: float | None = None
+    data: str = ""
+    num: int = 0
+    total: int = 0
+
+
+def parse(frame: str | bytes) -> Operation:
+    """Parse the operation of a message.
+
+    Raises:
+        ValueError: it is not a valid operation.
+    """
+    try:
+        return _decoder.decode(frame)
+    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+        raise ValueError(f"not an operation of rosbridge: {error}") from None
+
+
+_decoder = msgspec.json.Decoder(Operation)
+
+
+#: characters of all parts of a client that wait for others, parts of a message, and messages of which parts lack
+MOST, _MOST_PARTS, _MOST_OPEN = 1 << 20, 1 << 14, 8
+_SMALLEST = 128
+
+_numbers = itertools.count(1)
+
+
+class Parts:
+    """A message in parts, each of which is made when it is sent: there may be thousands.
+
+    Args:
+        frame: the message.
+        size: maximum number of characters of a part, about.
+    """
+
+    def __init__(self, frame: str, size: float) -> None:
+        self._frame, self._length = frame, max(_SMALLEST, int(size))
+
+    def __len__(self) -> int:
+        return len(self._frame)
+
+    def __iter__(self) -> Iterator[str]:
+        """The parts; the message itself if it is not longer than one."""
+        frame, length = self._frame, self._length
+        if len(frame) <= length:
+            yield frame
+            return
+        number, total = f"fragment:{next(_numbers)}", -(-len(frame) // length)
+        for index in range(total):
+            data = frame[index * length : (index + 1) * length]
+            part = {"op": "fragment", "id": number, "data": data, "num": index, "total": total}
+            yield msgspec.json.encode(part).decode()
+
+
+class Puzzle:
+    """Puts messages of a client together."""
+
+    def __init__(self) -> None:
+        #: the pieces of each message by its id, and how many it has
+        self._open: dict[str | int | None, tuple[int, dict[int, str]]] = {}
+        self._size = 0
+
+    def add(self, operation: Operation) -> str | None:
+        """Add a part; the message if it is complete.
+
+        Raises:
+            ValueError: the part is not valid, or all parts together are too long.
+        """
+        total, index = operation.total, operation.num
+        if not 0 < total <= _MOST_PARTS or not 0 <= index < total:
+            raise ValueError(f"'fragment' needs 'total' from 1 to {_MOST_PARTS}, and 'num' from 0 and below it")
+        if operation.id not in self._open and len(self._open) >= _MOST_OPEN:
+            self._close(next(iter(self._open)))
+        count, pieces = self._open.setdefault(operation.id, (total, {}))
+        self._size += len(operation.data) - len(pieces.get(index, ""))
+        pieces[index] = operation.data
+        if count != total or self._size > MOST:
+            self._close(operation.id)
+            raise ValueError(f"fragments of a message have one 'total'; those of all have at most {MOST} characters")
+        if len(pieces) < total:
+            return None
+        self._close(operation.id)
+        return "".join(pieces[number] for number in range(total))
+
+    def _close(self, number: str | int | None) -> None:
+        _, pieces = self._open.pop(number)
+        self._size -= sum(map(len, pieces.values()))
+
 
 _LEVELS = ("none", "error", "warning", "info")
 #: maximum number of subscriptions to one topic, which are compared with each other

@@ -4,13 +4,29 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.middleware.rosbridge import MANAGER_OPTIONS, json_form
-from morse.middleware.rosbridge.hub import RosbridgeHub
-from morse.middleware.web.datastream import WebTopicManager
+from morse.middleware.rosbridge import MANAGER_OPTIONS
+from morse.middleware.rosbridge.client import RosbridgeClient
+from morse.middleware.rosbridge.forms import Forms, decode_json
+from morse.middleware.web.hub import Hub, WebTopicManager
+from morse.middleware.web.requests import WebRequestManager
 from morse.middleware.web.topics import WebTopics
 
 if TYPE_CHECKING:
     from morse.core.values import RosMessage
+    from morse.middleware.web.topics import WebTopic
+
+
+class RosbridgeHub(Hub):
+    """See `morse.middleware.web.hub.Hub`."""
+
+    name = "rosbridge"
+    manager = "morse.middleware.rosbridge.datastream.RosbridgeDatastreamManager"
+    options = MANAGER_OPTIONS
+    client = RosbridgeClient
+
+    def frame(self, topic: WebTopic, stamp: int, data: bytes) -> Forms:
+        """The operation ``publish``."""
+        return Forms(topic, stamp, data)
 
 
 class RosbridgeTopics(WebTopics):
@@ -18,7 +34,7 @@ class RosbridgeTopics(WebTopics):
 
     def decode(self, type_name: str, data: bytes) -> RosMessage:
         """See `morse.rosmsgs.topics.backend.Backend.decode`."""
-        return json_form.decode(type_name, data)
+        return decode_json(type_name, data)
 
 
 class RosbridgeDatastreamManager(WebTopicManager):
@@ -32,3 +48,10 @@ class RosbridgeDatastreamManager(WebTopicManager):
     title = "rosbridge"
     hub_class = RosbridgeHub
     topics_class = RosbridgeTopics
+
+
+class RosbridgeRequestManager(WebRequestManager):
+    """Services for the operation ``call_service``."""
+
+    classpath = "morse.middleware.rosbridge.datastream.RosbridgeRequestManager"
+    hub_class = RosbridgeHub

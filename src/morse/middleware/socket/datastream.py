@@ -1,8 +1,9 @@
-"""Sends and receives data streams over TCP, with one port per component."""
+"""Sends and receives data streams over TCP, with one port per component; a client may pace the simulation."""
 
 from __future__ import annotations
 
 import logging
+import time
 from collections import deque
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -15,27 +16,170 @@ from morse.core.mapping import maps
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
 from morse.core.services import service
+from morse.core.streams.kind_stream import KindStream
 from morse.middleware.socket import LAST_PORT, MANAGER_OPTIONS
-from morse.middleware.socket.frame_server import FrameServer
-from morse.middleware.socket.frames import data_frame, line_frame
+from morse.middleware.socket.frames import FrameServer, data_frame, line_frame
 from morse.middleware.socket.stream_client import StreamServer
-from morse.middleware.socket.streams import SocketStream
-from morse.middleware.socket.time_sync import TimeSync
 from morse.system import OF_MACHINE
-from morse.wire.encoding import to_json
+from morse.wire.encoding import from_json, to_json
 from morse.wire.images import PictureFields, cloud_fields, image_fields
+from morse.wire.lines import LineClient
 from morse.wire.listener import allow_many_sockets, listen, port_of
-from morse.wire.server import close_all
+from morse.wire.server import LineServer, close_all
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    import socket
+    from collections.abc import Callable, Collection, Iterable, Mapping
 
     from morse.core.context import Context
     from morse.core.kinds import Message
     from morse.core.object import Object
     from morse.core.values import Options
-    from morse.middleware.socket.frame_channel import FrameChannel
+    from morse.middleware.socket.frames import FrameChannel
     from morse.scene import StreamDeclaration
+    from morse.wire.connection import Connection
+
+
+logger = logging.getLogger(__name__)
+
+#: interval in which the waiting simulation thread checks whether the simulation is to end, s
+_SLICE = 0.02
+#: wall-clock time in which a client has to send its first bytes; later it no longer holds up the simulation, s
+_PATIENCE = 30.0
+
+
+class TimeSync:
+    """A port for clients that pace the simulation.
+
+    While at least one client is connected, a tick begins only after bytes have arrived since the
+    beginning of the last tick; their number does not matter. Services are answered in the meantime.
+    A client that sends nothing within 30 s does not hold up the simulation until it sends something.
+    """
+
+    def __init__(self, context: Context, listener: socket.socket) -> None:
+        self._context = context
+        self._is_open = False
+        self._server = LineServer("time sync", listener, lambda server: _SyncClient(server, self))
+
+    async def start(self) -> None:
+        """Start accepting clients."""
+        await self._server.start(self._context.network)
+
+    async def close(self) -> None:
+        """Stop pacing the simulation."""
+        await self._server.close()
+
+    def arrived(self) -> None:
+        """Bytes have arrived; runs in the network loop."""
+        self._context.network.when_read(self.release)
+
+    def release(self) -> None:
+        """Allow one tick, or note that no client paces the simulation any more; runs in the network loop."""
+        self._is_open = True
+        self._context.wake()
+
+    def _is_paced(self) -> bool:
+        clients = list(self._server.clients)
+        if any(client.is_proven for client in clients):
+            return True
+        now = time.monotonic()
+        for client in clients:
+            if now - client.heard < _PATIENCE:
+                return True
+            text = f"time sync: {client.peer} sends nothing, so it no longer holds up the simulation"
+            self._server.complaints.warn("silent", text)
+        return False
+
+    def wait(self) -> None:
+        """Wait until the next tick is allowed; runs in the simulation thread."""
+        while self._is_paced() and not self._is_open and not self._context.stopping():
+            self._context.services.process()
+            self._context.wait(_SLICE)
+        self._is_open = False
+
+
+class _SyncClient(LineClient):
+    def __init__(self, server: LineServer, sync: TimeSync) -> None:
+        super().__init__(server)
+        self._sync = sync
+
+    def connection_made(self, transport: Connection, peer: str) -> None:
+        super().connection_made(transport, peer)
+        self.server.complaints.log(logging.INFO, "begin", f"the client {self.peer} paces the simulation")
+
+    def data_received(self, data: bytes) -> None:
+        if self.is_welcome(data):
+            self.is_proven = True
+            self._sync.arrived()
+
+    def connection_lost(self, error: OSError | None) -> None:
+        super().connection_lost(error)
+        self.server.complaints.log(logging.INFO, "end", f"the client {self.peer} no longer paces the simulation")
+        self._sync.release()
+
+
+class SocketStream(KindStream):
+    """A stream with its own port.
+
+    Attributes:
+        server: the server of the port.
+    """
+
+    manager: SocketDatastreamManager
+    server: StreamServer
+
+
+class SocketPublisher(SocketStream):
+    """Sends the data of a component as one line of JSON to every client, at each of its actions.
+
+    Subclass it and override `encode` for another format.
+    """
+
+    def encode(self) -> Any:
+        """The message, or None if there is nothing to send; a line end is added if it is missing."""
+        return to_json(self.data)
+
+    def own_form(self) -> Callable[[], object] | None:
+        """See `KindStream.own_form`."""
+        return None if type(self).encode is SocketPublisher.encode else self.encode
+
+    @property
+    def waiting(self) -> Collection[object] | None:
+        """The clients."""
+        return self.server.readers if type(self).default is KindStream.default else None
+
+
+class SocketReader(SocketStream):
+    """Writes lines of JSON from clients into the data of a component.
+
+    Messages since the last tick are applied in order, so that the last one wins; missing fields
+    keep their values. A message that is not JSON, or does not fit the fields of the component, is
+    refused as a whole, and the log gives the reason.
+
+    Subclass it and override `decode` for another format.
+    """
+
+    @property
+    def waiting(self) -> Collection[object] | None:
+        """Messages of clients."""
+        return self.server.inbox.arrived if type(self).default is KindStream.default else None
+
+    def arrived(self) -> Iterable[bytes]:
+        """The lines that have arrived since the last action."""
+        if not self.server.inbox or self.rests:
+            return ()
+        lines, losses = self.server.inbox.take()
+        if losses:
+            self.complain("dropped", f"{losses} messages arrived too fast: newer messages replace them")
+        return lines
+
+    def decode(self, msg: bytes) -> Any:
+        """The fields that a message sets.
+
+        Raises:
+            ValueError: it cannot be decoded.
+        """
+        return from_json(msg)
 
 
 class StreamDirectory(AbstractObject):
@@ -78,8 +222,6 @@ class StreamDirectory(AbstractObject):
         """The TCP port of the binary streams of all sensors."""
         return self._binary_port
 
-
-logger = logging.getLogger(__name__)
 
 FIRST_PORT = 60000
 #: ticks are fast if messages are sent at shorter intervals; messages are then collected for this time, s

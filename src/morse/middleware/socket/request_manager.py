@@ -15,8 +15,13 @@ from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import SUCCESS
-from morse.middleware.socket.protocol import MalformedRequest, format_failure, format_reply, parse_request
-from morse.middleware.socket.service_client import ServiceClient
+from morse.middleware.socket.service_client import (
+    MalformedRequest,
+    ServiceClient,
+    format_failure,
+    format_reply,
+    parse_request,
+)
 from morse.middleware.socket.turns import Turns
 from morse.system import OF_MACHINE, variables
 from morse.wire.listener import listen, port_of
@@ -173,7 +178,7 @@ _NO_PLACE = format_failure("?", "The simulation has no place for one more connec
 
 
 class SocketRequestManager(RequestManager):
-    """Services over TCP, one request per line (see `morse.middleware.socket.protocol`).
+    """Services over TCP, one request per line (see `morse.middleware.socket.service_client`).
 
     Listens on the first free port from 4000 to 4009, or from the port in the environment
     variable ``MORSE_SOCKET_PORT`` (0: any free port). The environment variable ``MORSE_SOCKET_PATH`` adds a Unix socket

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from morse.core.clients.network import Network
-    from morse.middleware.socket.frame_channel import FrameChannel
+    from morse.middleware.socket.frames import FrameChannel
     from morse.wire.connection import Connection
 
 #: approximate size to which messages are combined

@@ -2,26 +2,162 @@
 
 from __future__ import annotations
 
+import logging
+from abc import abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.guard import Failure
 from morse.core.mapping import maps
+from morse.core.streams.kind_stream import KindStream
 from morse.core.validation.names import file_name
-from morse.middleware.text.file import TextFile
-from morse.middleware.text.streams import TextStream
+from morse.middleware.text import STREAM_OPTIONS
 from morse.system.free_names import free_path
 from morse.system.shared_folders import expanded
+from morse.wire.encoding import written
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from morse.core.context import Context
     from morse.core.kinds import Message
     from morse.core.object import Object
     from morse.core.values import Options
     from morse.scene import StreamDeclaration
+
+
+logger = logging.getLogger(__name__)
+
+
+class TextFile:
+    """A text file; on a full disk, the file ends, but not the simulation.
+
+    Args:
+        path: absolute path; an existing file is overwritten.
+        owner: name of the component.
+        note: keeps that the file ends, in words: what, the consequence and the reason.
+
+    Raises:
+        MorseMiddlewareError: it cannot be written.
+    """
+
+    def __init__(self, path: Path, owner: str, note: Callable[[str, str, str], object]) -> None:
+        self.path, self.owner, self._note = path, owner, note
+        self._is_new = True
+        try:
+            self._file = path.open("w", encoding="utf-8", errors="backslashreplace", newline="\n")
+        except OSError as error:
+            raise MorseMiddlewareError(
+                f"the file {path} cannot be written: {error.strerror}; set another one: file='...'"
+            ) from None
+        self._is_over = False
+
+    def begin(self, header: str) -> None:
+        """Write the header, unless another component of the same name has begun the file."""
+        if self._is_new:
+            self.write(header)
+        self._is_new = False
+
+    def write(self, text: str) -> None:
+        """Write a text; an error is logged, and ends the file."""
+        if not self._is_over:
+            try:
+                self._file.write(text)
+            except OSError as error:
+                self._end(error)
+
+    def flush(self) -> None:
+        """Flush the file."""
+        if not self._is_over:
+            try:
+                self._file.flush()
+            except OSError as error:
+                self._end(error)
+
+    def _end(self, error: OSError) -> None:
+        self._is_over = True
+        reason = f"nothing more is written to {self.path}: {error.strerror}"
+        logger.error("%s: %s", self.owner, reason)
+        self._note(f"the file of {self.owner}", "ends", reason)
+
+    def close(self) -> None:
+        """Write the remaining data."""
+        self.flush()
+        try:
+            self._file.close()
+        except OSError as error:
+            if not self._is_over:
+                self._end(error)
+
+
+class TextStream(KindStream):
+    """Writes one component into a file.
+
+    Attributes:
+        file: set before `initialize`.
+        index: number of written measurements.
+    """
+
+    options = STREAM_OPTIONS
+    file: TextFile
+
+    def initialize(self) -> None:
+        """Write the header of the file."""
+        super().initialize()
+        self.index = 0
+        self.file.begin(self.header())
+
+    @abstractmethod
+    def header(self) -> str:
+        """The header of the file; may be empty."""
+
+    @abstractmethod
+    def encode_data(self) -> str:
+        """A measurement, with a final line end."""
+
+
+class Publisher(TextStream):
+    """A line with the pose of the robot and the time, and below it a line for each data field."""
+
+    def header(self) -> str:
+        """Names of robot and sensor."""
+        robot = self.component_instance.robot_parent
+        return f"ROBOT {robot.name() if robot is not None else ''} || SENSOR {self.component_name}\n"
+
+    def encode_data(self) -> str:
+        """Position in m, angles in rad, simulated time in s."""
+        pose = (self.component_instance.robot_parent or self.component_instance).position_3d
+        place = " ".join(f"{number:.6f}" for number in (pose.x, pose.y, pose.z))
+        angles = " ".join(f"{number:.6f}" for number in (pose.yaw, pose.pitch, pose.roll))
+        lines = [
+            f"==> Data at X,Y,Z: [{place}] yaw,pitch,roll: [{angles}] | index {self.index} | time {self._time():.2f}",
+            *(f"\t{name} = {written(value)}" for name, value in self.data.items()),
+        ]
+        return "\n".join(lines) + "\n"
+
+    def _time(self) -> float:
+        time: Any = self.data.get("timestamp")
+        return float(time) if isinstance(time, (int, float)) else self.component_instance.clock.time
+
+
+class CSVPublisher(TextStream):
+    """A row for each measurement, with fields separated by semicolons; the first row contains their names."""
+
+    def header(self) -> str:
+        """The names of the fields."""
+        return ";".join(map(_cell, self.data)) + "\n"
+
+    def encode_data(self) -> str:
+        """The values of the fields."""
+        return ";".join(_cell(written(value)) for value in self.data.values()) + "\n"
+
+
+def _cell(text: str) -> str:
+    """A text as one cell of a table (RFC 4180)."""
+    return '"' + text.replace('"', '""') + '"' if ";" in text or '"' in text else text
 
 
 class TextDatastreamManager(DatastreamManager):

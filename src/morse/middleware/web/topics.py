@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.rosmsgs.table import Qos
 
+
 logger = logging.getLogger(__name__)
 
 #: limits of the messages of a topic that wait for the next action of an actuator: number and bytes

@@ -26,8 +26,8 @@ MIDDLEWARE = Middleware(
     stream_manager="morse.middleware.mavlink_datastream.MavlinkDatastreamManager",
     manager_options=MANAGER_OPTIONS,
     stream_options=STREAM_OPTIONS,
-    default_publisher="morse.middleware.mavlink.stream.MavlinkStream",
-    default_reader="morse.middleware.mavlink.stream.MavlinkStream",
+    default_publisher="morse.plugins.mavlink.vehicle.MavlinkStream",
+    default_reader="morse.plugins.mavlink.vehicle.MavlinkStream",
     # MAVLink has no messages for images and point clouds
     not_carried=("Camera", "CameraUnit", "StereoUnit", "MocapControl"),
     modules=("pymavlink",),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.helpers.geodesy import LocalPlane, has_place
 from morse.mathutils.portable import matmul
 from morse.mathutils.rotations import (
     both_eulers,
@@ -17,9 +18,10 @@ from morse.mathutils.rotations import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from morse.mathutils.rotations import Quaternion4, Rotation9, Triple
+
 
 #: a covariance of MAVLink without values
 UNKNOWN_COVARIANCE = [math.nan] + [0.0] * 20
@@ -84,3 +86,45 @@ class Axes:
     def heading(self, yaw: float) -> float:
         """The yaw of a heading from north, clockwise, rad."""
         return {"nwu": -yaw, "enu": math.pi / 2.0 - yaw, "ned": yaw}[self.frame]
+
+
+#: degrees and m; the place of worlds that declare none: the start of PX4's own simulations
+_ZURICH = {"longitude": 8.545594, "latitude": 47.397742, "altitude": 488.0}
+
+
+class Place:
+    """North, east and down from where the vehicle was when the simulation started; and places on the earth.
+
+    Args:
+        axes: of the world.
+        origin: position of the robot at the start, m in the world.
+        properties: of the environment.
+        x_axis: angle of the X axis of the world from east, rad.
+    """
+
+    def __init__(self, axes: Axes, origin: Triple, properties: Mapping[str, object], x_axis: float) -> None:
+        self.axes, self.origin = axes, origin
+        source = properties if has_place(properties) else _ZURICH
+        self._plane = LocalPlane.of({**source, "angle_against_north": x_axis})
+
+    def local(self, position: Triple) -> Triple:
+        """North, east, down of a position in the world, m."""
+        return self.axes.vector([a - b for a, b in zip(position, self.origin, strict=True)])
+
+    def world(self, local: Triple) -> Triple:
+        """The inverse of `local`."""
+        x, y, z = self.axes.vector(local)
+        return x + self.origin[0], y + self.origin[1], z + self.origin[2]
+
+    def earth(self, position: Triple) -> Triple:
+        """Latitude and longitude, degrees, and altitude, m, of a position in the world."""
+        longitude, latitude, altitude = self._plane.geodetic_of(position)
+        return latitude, longitude, altitude
+
+    def from_earth(self, latitude: float, longitude: float, altitude: float) -> Triple:
+        """The inverse of `earth`."""
+        return self._plane.world_of_geodetic(longitude, latitude, altitude)
+
+    def heading(self, yaw: float) -> float:
+        """Convert the yaw of a body in the world to clockwise from north, and back, rad."""
+        return math.remainder(self.axes.heading(yaw), math.tau)

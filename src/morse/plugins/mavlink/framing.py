@@ -5,10 +5,24 @@ from __future__ import annotations
 import re
 from functools import cache
 from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Collection
+
+
+class MavlinkMessage(Protocol):
+    """A message of the dialect; its fields are attributes by the names of the dialect.
+
+    pymavlink makes the classes of messages at run time and has no types for them.
+    """
+
+    def get_type(self) -> str:
+        """The name of the message, in upper case."""
+
+    def __getattr__(self, field: str) -> Any:
+        """A field: a number, a string, or a list of numbers."""
+
 
 V1, V2 = 0xFE, 0xFD
 _HEADS = {V1: 6, V2: 10}

@@ -12,8 +12,8 @@ from morse.mathutils.rotations import turn_back
 if TYPE_CHECKING:
     from morse.core.interfaces import Carrier
     from morse.core.object import Object
-    from morse.plugins.mavlink.autopilot.place import Place
-    from morse.plugins.mavlink.messages import MavlinkMessage
+    from morse.plugins.mavlink.axes import Place
+    from morse.plugins.mavlink.framing import MavlinkMessage
 
 _SECOND = 10**9
 #: MAV_MODE_FLAG, MAV_STATE

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import Message
     from morse.plugins.mavlink.axes import Axes
-    from morse.plugins.mavlink.stream import MavlinkStream
+    from morse.plugins.mavlink.vehicle import MavlinkStream
 
 _NAN = math.nan
 _GAUSS, _HECTOPASCAL = 1e4, 1e-2

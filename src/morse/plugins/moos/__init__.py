@@ -25,8 +25,8 @@ MIDDLEWARE = Middleware(
     stream_manager="morse.middleware.moos_datastream.MOOSDatastreamManager",
     manager_options=MANAGER_OPTIONS,
     stream_options=STREAM_OPTIONS,
-    default_publisher="morse.middleware.moos.streams.MoosPublisher",
-    default_reader="morse.middleware.moos.streams.MoosReader",
+    default_publisher="morse.plugins.moos.datastream.MoosPublisher",
+    default_reader="morse.plugins.moos.datastream.MoosReader",
     # images and clouds would be megabytes of text in each tick
     not_carried=("Camera", "CameraUnit", "StereoUnit", "MocapControl"),
     modules=("pymoos2",),

@@ -18,7 +18,7 @@ STREAM_OPTIONS = {
     "port": Option(str, None, "name of the port, replaces /prefix/robot/component/out or in"),
 }
 STREAM_MANAGER = "morse.middleware.yarp_datastream.YarpDatastreamManager"
-JSON_STREAM_MANAGER = "morse.plugins.yarp.json_text.YarpJsonDatastreamManager"
+JSON_STREAM_MANAGER = "morse.plugins.yarp.datastream.YarpJsonDatastreamManager"
 REQUEST_MANAGER = "morse.middleware.yarp_request_manager.YarpRequestManager"
 # these classes carry cameras or nothing, or clouds, for which 1.4 had no port
 NOT_CARRIED = ("DepthCamera", "DepthCameraAggregator", "StereoUnit", "MocapControl")
@@ -29,8 +29,8 @@ MIDDLEWARE = Middleware(
     request_manager=REQUEST_MANAGER,
     manager_options=MANAGER_OPTIONS,
     stream_options=STREAM_OPTIONS,
-    default_publisher="morse.middleware.yarp.streams.YarpPublisher",
-    default_reader="morse.middleware.yarp.streams.YarpReader",
+    default_publisher="morse.plugins.yarp.datastream.YarpPublisher",
+    default_reader="morse.plugins.yarp.datastream.YarpReader",
     not_carried=NOT_CARRIED,
     old_modules={
         "morse.middleware.yarp_datastream": "morse.plugins.yarp.datastream",
@@ -43,8 +43,8 @@ JSON_MIDDLEWARE = replace(
     MIDDLEWARE,
     name="yarp_json",
     stream_manager=JSON_STREAM_MANAGER,
-    default_publisher="morse.plugins.yarp.json_text.YarpJsonPublisher",
-    default_reader="morse.plugins.yarp.json_text.YarpJsonReader",
+    default_publisher="morse.plugins.yarp.datastream.YarpJsonPublisher",
+    default_reader="morse.plugins.yarp.datastream.YarpJsonReader",
     # megabytes of text in each tick
     not_carried=(*NOT_CARRIED, "Camera", "CameraUnit"),
     old_modules={},

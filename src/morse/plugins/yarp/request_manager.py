@@ -10,8 +10,7 @@ from morse.core.clients.time_share import TimeShare
 from morse.core.reports.quoting import shown
 from morse.core.status import FAILED
 from morse.plugins.yarp.bottle import encode
-from morse.plugins.yarp.ports import Ports, ports_of
-from morse.plugins.yarp.waiting import WaitingBottles
+from morse.plugins.yarp.ports import Ports, WaitingBottles, ports_of
 from morse.wire.encoding import written
 
 if TYPE_CHECKING:

@@ -13,9 +13,7 @@ from morse.rosmsgs.parts import (
     from_xyz,
     header,
     quaternion,
-    three,
     xyz,
-    xyzw,
 )
 from morse.rosmsgs.table import Inlet, Outlet, TopicTable, topics
 
@@ -38,12 +36,12 @@ class SpatialKinds(TopicTable):
         """A point if there is no orientation."""
         if not bound.has("orientation"):
             return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, by_rows=True)]
-        return [_spatial(bound, "Pose", pose_message, lambda m: (*three(m.position), *xyzw(m.orientation)))]
+        return [_spatial(bound, "Pose", pose_message)]
 
     @topics("twist")
     def twist(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """In the frame of the component."""
-        return [_spatial(bound, "Twist", _twist, lambda m: (*three(m.linear), *three(m.angular)))]
+        return [_spatial(bound, "Twist", _twist)]
 
     @topics("accel")
     def accel(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -58,15 +56,7 @@ class SpatialKinds(TopicTable):
     @topics("odometry")
     def odometry(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Odometry of the robot, wherever the sensor is mounted; the transform of base_link is derived from it."""
-        return [
-            Outlet(
-                "nav_msgs/msg/Odometry",
-                stream.odometry,
-                numbers=stream.odometry_numbers,
-                has_child=True,
-                is_detached=True,
-            )
-        ]
+        return [Outlet("nav_msgs/msg/Odometry", stream.odometry, is_of_robot=True, is_detached=True)]
 
     @topics("wrench")
     def wrench(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -133,19 +123,13 @@ class SpatialKinds(TopicTable):
         ]
 
 
-def _spatial(
-    bound: BoundKind,
-    name: str,
-    content: Callable[[Message], RosMessage],
-    numbers: Callable[[Message], tuple[float, ...]],
-) -> Outlet:
+def _spatial(bound: BoundKind, name: str, content: Callable[[Message], RosMessage]) -> Outlet:
     """A message with a header, and with the covariance if there is one."""
     if bound.has("covariance"):
         return _with_covariance(name, content)
     return Outlet(
         f"geometry_msgs/msg/{name}Stamped",
         lambda m, f: {"header": header(m, f), name.lower(): content(m)},
-        numbers=numbers,
         is_detached=True,
         by_rows=True,
     )

@@ -120,11 +120,6 @@ class Backend(ABC):
         """
         return cdr.encode(type_name, message)
 
-    @property
-    def is_cdr(self) -> bool:
-        """Whether publishers take CDR, so that parts of the encoding may be prepared."""
-        return type(self).encode is Backend.encode
-
     def decode(self, type_name: str, data: bytes) -> RosMessage:
         """Decode data of a subscription into a message with all its fields.
 

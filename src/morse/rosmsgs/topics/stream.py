@@ -14,7 +14,7 @@ import numpy as np
 from morse.core.exceptions import MorseError
 from morse.core.journal import CALL
 from morse.core.streams.kind_stream import KindStream
-from morse.rosmsgs.cdr import CdrError, encode_stamped
+from morse.rosmsgs.cdr import CdrError
 from morse.rosmsgs.component import ComponentMessages, kinds_of
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, fields_of
 from morse.rosmsgs.names import STREAM_OPTIONS
@@ -119,7 +119,6 @@ class TopicStream(KindStream, ComponentMessages):
         self._sender = self.manager.context.arrivals.sender()
         # streams check in different ticks
         self._silence = crc32(self.component_name.encode()) % _PATIENCE
-        self._is_cdr = self.manager.backend.is_cdr
         self.sending: list[tuple[BoundKind, list[Sending]]] = []
         self._hearing: list[_Hearing] = []
         if self.direction == "IN":
@@ -177,12 +176,10 @@ class TopicStream(KindStream, ComponentMessages):
 
     def _detached(self, line: Sending) -> Sending:
         """A topic whose messages another thread may make: with the present pose of the sensor on the robot."""
-        if not line.outlet.has_child:
+        if not line.outlet.is_of_robot:
             return line
-        mounting = self.mounting()
-        make = partial(self.odometry, mounting=mounting)
-        numbers = partial(self.odometry_numbers, mounting=mounting)
-        return line._replace(outlet=line.outlet._replace(make=make, numbers=numbers))
+        make = partial(self.odometry, mounting=self.mounting())
+        return line._replace(outlet=line.outlet._replace(make=make))
 
     # -- publishing --------------------------------------------------------------------------
 
@@ -215,15 +212,10 @@ class TopicStream(KindStream, ComponentMessages):
     def send(self, line: Sending, message: Message, frame: str) -> None:
         """Encode and send a message."""
         try:
-            outlet, backend = line.outlet, self.manager.backend
-            if outlet.numbers is not None and self._is_cdr:
-                child = self.child_frame_id() if outlet.has_child else None
-                data = encode_stamped(outlet.type, message.stamp, frame, outlet.numbers(message), child)
-            else:
-                content = outlet.make(message, frame)
-                if content is None:
-                    return
-                data = backend.encode(outlet.type, content)
+            content = line.outlet.make(message, frame)
+            if content is None:
+                return
+            data = self.manager.backend.encode(line.outlet.type, content)
         except _UNFIT as error:
             self.complain(
                 f"encode {line.topic}",

@@ -6,18 +6,23 @@ packet (OMG DDS-RPC, related sample identity) that the Python library of Cyclone
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import socket
+import types
 from collections import deque
 from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import cache
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
+from cyclonedds import idl
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
 from cyclonedds.core import DDSException
 from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import types as dds
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
@@ -27,14 +32,136 @@ from cyclonedds.util import duration
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros2 import NODE
-from morse.middleware.ros2.backends.cyclone_graph import GraphNode
-from morse.middleware.ros2.backends.cyclone_types import sample_type
-from morse.middleware.ros2.backends.loopback import Confined, confined, described
+from morse.middleware.ros2.backends import Confined, confined, described
+from morse.rosmsgs import cdr
+from morse.rosmsgs.definitions import SEQUENCE, SINGLE, fields_of
 from morse.rosmsgs.table import Qos
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from morse.core.values import Options
+
+
+@cache
+def sample_type(type_name: str) -> type[Any]:
+    """The type of the samples of a topic: `data` contains an encoded message with its header.
+
+    The description of the type, which other participants may compare with their own, has all fields.
+    """
+    fields = _described(type_name)
+
+    class Sample(fields):  # type: ignore[valid-type, misc]
+        __slots__ = ("data", "sample_info")
+        data: bytes
+
+        def __init__(self) -> None:
+            """Leave all fields unset: see `data`."""
+
+        def serialize(self, *_args: object, **_options: object) -> bytes:
+            return self.data
+
+        @classmethod
+        def deserialize(cls, data: bytes, *_args: object, **_options: object) -> Any:
+            sample = cls()
+            sample.data = data
+            return sample
+
+        deserialize_key = deserialize
+
+    Sample.__idl__ = fields.__idl__
+    return Sample
+
+
+@cache
+def _described(type_name: str) -> type[Any]:
+    package, _, name = type_name.partition("/msg/")
+    annotations = {field.name: _type(field.type, field.size) for field in fields_of(type_name)}
+    new_type: type = types.new_class(
+        f"{name}_",
+        (idl.IdlStruct,),
+        {"typename": f"{package}::msg::dds_::{name}_"},
+        lambda namespace: namespace["__annotations__"].update(annotations),
+    )
+    return dataclasses.dataclass(new_type)
+
+
+def _type(name: str, size: int) -> Any:
+    item: object = {"string": str, "bool": bool}.get(name)
+    if item is None:
+        item = getattr(dds, name, None) or _described(name)
+    if size == SINGLE:
+        return item
+    return dds.sequence[item] if size == SEQUENCE else dds.array[item, size]
+
+
+_TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+_TOPIC = "ros_discovery_info"
+#: where the participant, its number of nodes, and the namespace and name of the first one are in a message
+_GID, _NODES, _FIRST = 4, 20, 24
+#: maximum number of messages of other participants that wait, and that are read at once
+_MOST_NODES = 100
+
+
+class GraphNode:
+    """A node with all readers and writers of its participant.
+
+    Args:
+        name: of the node, in the namespace ``/``.
+        qos: reliable, one message, kept for late readers.
+
+    Attributes:
+        changed: whether readers or writers were added or removed since `tell`.
+    """
+
+    def __init__(self, participant: DomainParticipant, name: str, qos: DdsQos) -> None:
+        kind = sample_type(_TYPE)
+        self._participant, self._name = participant, name
+        topic = Topic(participant, _TOPIC, kind)
+        self._writer: Any = DataWriter(participant, topic, qos=qos)
+        several = DdsQos(Policy.History.KeepLast(_MOST_NODES), base=qos)
+        self._others: Any = DataReader(participant, topic, qos=several)
+        self._sample = kind()
+        self._readers: dict[bytes, None] = {}
+        self._writers: dict[bytes, None] = {}
+        self.changed = True
+
+    def add(self, entity: Any) -> None:
+        """Add a reader or a writer."""
+        self._side(entity)[entity.guid.bytes] = None
+        self.changed = True
+
+    def remove(self, entity: Any) -> None:
+        """Remove a reader or a writer."""
+        self._side(entity).pop(entity.guid.bytes, None)
+        self.changed = True
+
+    def _side(self, entity: object) -> dict[bytes, None]:
+        return self._writers if isinstance(entity, DataWriter) else self._readers
+
+    def tell(self) -> None:
+        """Send the node with its readers and writers."""
+        self.changed = False
+        node = {
+            "node_namespace": "/",
+            "node_name": self._name,
+            "reader_gid_seq": [{"data": number} for number in self._readers],
+            "writer_gid_seq": [{"data": number} for number in self._writers],
+        }
+        message = {"gid": {"data": self._participant.guid.bytes}, "node_entities_info_seq": [node]}
+        self._sample.data = data = cdr.encode(_TYPE, message)
+        end = self._name.encode() + b"\0"
+        self._first = data[_FIRST : data.index(end, _FIRST) + len(end)]
+        self._writer.write(self._sample)
+
+    def has_namesake(self) -> bool:
+        """Whether the first node of another participant had the same name in a message since the last call."""
+        own = self._sample.data[_GID:_NODES]
+        return any(
+            sample.data[_FIRST:].startswith(self._first) and sample.data[_GID:_NODES] != own
+            for sample in self._others.take(_MOST_NODES)
+            if sample.sample_info.valid_data
+        )
+
 
 #: time for which a reliable writer waits for a reader with a full queue; the simulation must not wait
 _NO_TIME = 0.0

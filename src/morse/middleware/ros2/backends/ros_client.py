@@ -18,7 +18,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros2 import NODE
-from morse.middleware.ros2.backends.loopback import Confined, confined, described
+from morse.middleware.ros2.backends import Confined, confined, described
 from morse.rosmsgs.topics.backend import Backend, Publisher, ServiceServer, Subscription
 
 if TYPE_CHECKING:

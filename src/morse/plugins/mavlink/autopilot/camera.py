@@ -3,22 +3,113 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from morse.core.declarations import kinds
 from morse.core.kinds.turning import quaternion_of
 from morse.mathutils.rotations import product
 from morse.plugins.mavlink.telemetry import boot_ms
 from morse.wire.images import image_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from morse.core.object import Object
-    from morse.mathutils.rotations import Rotation9
-    from morse.plugins.mavlink.autopilot.craft import Craft
-    from morse.plugins.mavlink.autopilot.photos import Photo, Photos
+    from morse.mathutils.rotations import Quaternion4, Rotation9
+    from morse.plugins.mavlink.autopilot.modes import Craft
+
+
+#: bytes of all photos, of which the oldest are dropped; number of photos whose place is remembered
+_MOST_BYTES, _MOST_PHOTOS = 1 << 26, 10_000
+
+
+class Photo(NamedTuple):
+    """One photo.
+
+    Attributes:
+        number: counts the photos of the camera from 0.
+        path: of its file.
+        stamp: simulated time, ns.
+        place: latitude and longitude, 1e-7 degrees, altitude and height above home, mm.
+        orientation: of the camera, w, x, y, z; forward, right, down to north, east, down.
+    """
+
+    number: int
+    path: str
+    stamp: int
+    place: tuple[int, ...]
+    orientation: Quaternion4
+
+    @property
+    def url(self) -> str:
+        """Where MAVLink FTP has it."""
+        return f"mftp:///{self.path}"
+
+
+class Photos(Mapping[str, bytes]):
+    """The files by path, and the list of what each camera has taken.
+
+    Attributes:
+        capacity: bytes.
+        used: bytes.
+    """
+
+    capacity = _MOST_BYTES
+
+    def __init__(self) -> None:
+        self.used = 0
+        self._files: dict[str, bytes] = {}
+        self._lists: dict[int, list[Photo]] = {}
+
+    def __getitem__(self, path: str) -> bytes:
+        return self._files[path]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._files)
+
+    def __len__(self) -> int:
+        return len(self._files)
+
+    def add(
+        self, component: int, content: bytes, stamp: int, place: tuple[int, ...], orientation: Quaternion4
+    ) -> Photo:
+        """Store a photo of the camera with an id; see `Photo`."""
+        photos = self._lists.setdefault(component, [])
+        number = photos[-1].number + 1 if photos else 0
+        photo = Photo(number, f"DCIM/{component}/{number:06d}.jpg", stamp, place, orientation)
+        photos.append(photo)
+        del photos[:-_MOST_PHOTOS]
+        self._files[photo.path] = content
+        self.used += len(content)
+        while self.used > _MOST_BYTES:
+            self.used -= len(self._files.pop(next(iter(self._files))))
+        return photo
+
+    def photo(self, component: int, number: float) -> Photo | None:
+        """A photo of a camera; None if it is not remembered."""
+        photos = self._lists.get(component)
+        if not photos or not photos[0].number <= number <= photos[-1].number:
+            return None
+        return photos[int(number) - photos[0].number]
+
+    def count(self, component: int) -> int:
+        """How many photos a camera has taken."""
+        photos = self._lists.get(component)
+        return photos[-1].number + 1 if photos else 0
+
+    def has(self, photo: Photo) -> bool:
+        """Whether the file of a photo is still there."""
+        return photo.path in self._files
+
+    def clear(self) -> None:
+        """Delete all photos."""
+        self._files.clear()
+        self._lists.clear()
+        self.used = 0
+
 
 #: MAV_RESULT
 _ACCEPTED, _TRY_AGAIN, _DENIED, _UNSUPPORTED = 0, 1, 2, 3
@@ -201,3 +292,54 @@ class Camera:
         521: lambda camera, _: camera._answer(_INFORMATION), 522: lambda camera, _: camera._answer(_SETTINGS),
         525: lambda camera, _: camera._answer(_STORAGE), 527: lambda camera, _: camera._answer(_STATUS),
     }  # fmt: skip
+
+
+#: MAV_COMP_ID_CAMERA and the five that follow
+_FIRST, _MOST = 100, 6
+#: commands for cameras that arrive at the autopilot go to the first camera, as with PX4
+_FORWARDED = (203, 206, 521, 522, 525, 526, 527, 530, 2000, 2001)
+
+
+class Cameras:
+    """The cameras, and their photos."""
+
+    def __init__(self, flight: Craft) -> None:
+        self._flight = flight
+        self.photos = Photos()
+        self._cameras: dict[int, Camera] = {}
+        self._sensors: list[Object] = []
+
+    def look_at(self, components: Iterable[Object]) -> None:
+        """Find the cameras among the components of the robot."""
+        sensors = [one for one in components if _has_photos(one)][:_MOST]
+        if sensors != self._sensors:
+            self._sensors = sensors
+            self._cameras = {
+                number: Camera(number, sensor, self._flight, self.photos)
+                for number, sensor in enumerate(sensors, _FIRST)
+            }
+
+    def is_for(self, component: int, command: int) -> bool:
+        """Whether a command for a component is one for a camera."""
+        return component in self._cameras or (command in _FORWARDED and bool(self._cameras))
+
+    def obey(self, component: int, command: int, params: tuple[float, ...]) -> int:
+        """Execute a command; MAV_RESULT."""
+        camera = self._cameras.get(component) or next(iter(self._cameras.values()))
+        return camera.obey(command, params)
+
+    def beat(self) -> None:
+        """Send the heartbeats of all cameras."""
+        for camera in self._cameras.values():
+            camera.beat()
+
+    def tick(self, stamp: int) -> None:
+        """The end of a tick, at a simulated time, ns."""
+        for camera in self._cameras.values():
+            camera.tick(stamp)
+
+
+def _has_photos(component: object) -> bool:
+    """Whether a component has colour images."""
+    uses = kinds(type(component))
+    return any(use.kind == "image" and use.slots.get("encoding") == "rgba8" for use in uses)

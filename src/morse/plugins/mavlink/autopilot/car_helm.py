@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from morse.core.values import Fields
     from morse.mathutils.rotations import Triple
     from morse.plugins.mavlink.autopilot.helms import Motion, Speeds
-    from morse.plugins.mavlink.autopilot.place import Place
-    from morse.plugins.mavlink.stream import MavlinkStream
+    from morse.plugins.mavlink.axes import Place
+    from morse.plugins.mavlink.vehicle import MavlinkStream
 
 #: m: the car stops this far from its goal; gain of distances, 1/s
 _TOLERANCE, _APPROACH = 0.25, 0.8

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.plugins.mavlink.messages import MavlinkMessage
+    from morse.plugins.mavlink.framing import MavlinkMessage
     from morse.plugins.mavlink.vehicle import Vehicle
 
 _HEAD = struct.Struct("<HBBBBBxI")

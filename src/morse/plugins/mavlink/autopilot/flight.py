@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 from morse.core.journal import SERVICE
 from morse.mathutils.rotations import turn_back
-from morse.plugins.mavlink.autopilot.cameras import Cameras
-from morse.plugins.mavlink.autopilot.failsafe import WARNING, Failsafe
-from morse.plugins.mavlink.autopilot.fence import NO_BREACH, Fence
-from morse.plugins.mavlink.autopilot.follow import Follow
+from morse.plugins.mavlink.autopilot.camera import Cameras
+from morse.plugins.mavlink.autopilot.failsafe import NO_BREACH, WARNING, Failsafe, Fence
 from morse.plugins.mavlink.autopilot.helms import Motion, Speeds, TwistHelm
 from morse.plugins.mavlink.autopilot.items import destination
 from morse.plugins.mavlink.autopilot.mission import NEAR, ON_GROUND, Mission
 from morse.plugins.mavlink.autopilot.modes import Mode
+from morse.plugins.mavlink.autopilot.setpoints import Follow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
     from morse.plugins.mavlink.autopilot.helms import Helm
     from morse.plugins.mavlink.autopilot.items import Item
     from morse.plugins.mavlink.autopilot.parameters import Parameters
-    from morse.plugins.mavlink.autopilot.place import Place
     from morse.plugins.mavlink.autopilot.setpoints import Setpoint
+    from morse.plugins.mavlink.axes import Place
     from morse.plugins.mavlink.vehicle import Vehicle
 
 IN_AIR, TAKING_OFF, LANDING = 2, 3, 4

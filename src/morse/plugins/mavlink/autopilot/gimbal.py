@@ -11,9 +11,8 @@ from morse.plugins.mavlink.telemetry import PAN_TILT, boot_ms
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
     from morse.mathutils.rotations import Triple
-    from morse.plugins.mavlink.autopilot.craft import Craft
-    from morse.plugins.mavlink.stream import MavlinkStream
-    from morse.plugins.mavlink.vehicle import Vehicle
+    from morse.plugins.mavlink.autopilot.modes import Craft
+    from morse.plugins.mavlink.vehicle import MavlinkStream, Vehicle
 
 _INFORMATION, _STATUS, _DEVICE_INFORMATION = 280, 281, 283
 _SECOND = 10**9

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
     from morse.core.values import Fields
     from morse.mathutils.rotations import Rotation9, Triple
-    from morse.plugins.mavlink.autopilot.place import Place
-    from morse.plugins.mavlink.stream import MavlinkStream
+    from morse.plugins.mavlink.axes import Place
+    from morse.plugins.mavlink.vehicle import MavlinkStream
 
 #: m; the same as of MORSE 1.4
 _TOLERANCE = 0.5

@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.mathutils.rotations import Triple
-    from morse.plugins.mavlink.autopilot.place import Place
-    from morse.plugins.mavlink.messages import MavlinkMessage
+    from morse.plugins.mavlink.axes import Place
+    from morse.plugins.mavlink.framing import MavlinkMessage
 
 #: MAV_CMD
 WAYPOINT, LOITER, LOITER_TIME, RETURN, LAND, TAKEOFF = 16, 17, 19, 20, 21, 22

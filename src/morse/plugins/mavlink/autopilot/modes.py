@@ -1,8 +1,21 @@
-"""Flight modes, with the numbers of PX4: ground stations and MAVSDK know the modes of PX4 and of ArduPilot only."""
+"""Flight modes, with the numbers of PX4, and what the parts of an autopilot know of the craft.
+
+Ground stations and MAVSDK know the modes of PX4 and of ArduPilot only.
+"""
 
 from __future__ import annotations
 
 from enum import Enum
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from morse.mathutils.rotations import Triple
+    from morse.plugins.mavlink.autopilot.failsafe import Fence
+    from morse.plugins.mavlink.autopilot.helms import Motion
+    from morse.plugins.mavlink.autopilot.parameters import Parameters
+    from morse.plugins.mavlink.axes import Place
+    from morse.plugins.mavlink.vehicle import Vehicle
+
 
 #: bits of base_mode in HEARTBEAT: these are the modes of an autopilot; armed; stabilized, guided, automatic, by hand
 _CUSTOM, _ARMED, _BY_HAND, _STABILIZED, _GUIDED, _AUTO = 1, 128, 64, 16, 8, 4
@@ -61,3 +74,33 @@ def mode_of(main: float, sub: float) -> Mode | None:
 def mode_of_custom(custom: int) -> Mode | None:
     """The mode of ``custom_mode`` of the message SET_MODE; None if there is no such mode."""
     return mode_of(custom >> 16 & 0xFF, custom >> 24 & 0xFF)
+
+
+class Craft(Protocol):
+    """See `morse.plugins.mavlink.autopilot.flight.Flight`."""
+
+    vehicle: Vehicle
+    place: Place
+    parameters: Parameters
+    fence: Fence
+    mode: Mode
+    home: Triple
+    now: Motion
+    is_armed: bool
+
+    @property
+    def stamp(self) -> int:
+        """Simulated time of the last tick, ns."""
+
+    @property
+    def goes_up(self) -> bool:
+        """Whether it moves in three dimensions."""
+
+    def switch(self, mode: Mode) -> bool:
+        """Enter a mode; False if that is not possible."""
+
+    def disarm(self, *, force: bool = False) -> bool:
+        """Stop it; False while an aircraft flies."""
+
+    def say(self, severity: int, text: str) -> None:
+        """Send a text to ground stations."""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.plugins.mavlink.autopilot.flight import Flight
     from morse.plugins.mavlink.autopilot.gimbal import Gimbal
     from morse.plugins.mavlink.autopilot.reports import Reports
-    from morse.plugins.mavlink.messages import MavlinkMessage
+    from morse.plugins.mavlink.framing import MavlinkMessage
     from morse.plugins.mavlink.vehicle import Vehicle
 
 #: MAV_RESULT

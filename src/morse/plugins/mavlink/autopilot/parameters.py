@@ -6,7 +6,7 @@ import struct
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from morse.plugins.mavlink.messages import MavlinkMessage
+    from morse.plugins.mavlink.framing import MavlinkMessage
     from morse.plugins.mavlink.vehicle import Vehicle
 
 #: MAV_PARAM_TYPE

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.kinds.turning import quaternion_of
 from morse.mathutils.rotations import turn_back
-from morse.plugins.mavlink.autopilot.fence import NO_BREACH
+from morse.plugins.mavlink.autopilot.failsafe import NO_BREACH
 from morse.plugins.mavlink.telemetry import boot_ms
 
 if TYPE_CHECKING:

@@ -2,18 +2,65 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
-from morse.plugins.mavlink.autopilot.attitude_helm import AttitudeHelm
+from morse.core.kinds.turning import quaternion_of
 from morse.plugins.mavlink.autopilot.car_helm import CarHelm, ForceHelm
-from morse.plugins.mavlink.autopilot.helms import GoalHelm, TwistHelm
+from morse.plugins.mavlink.autopilot.helms import GoalHelm, Helm, TwistHelm
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.plugins.mavlink.autopilot.helms import Helm
-    from morse.plugins.mavlink.autopilot.place import Place
+    from morse.mathutils.rotations import Triple
+    from morse.plugins.mavlink.autopilot.helms import Motion, Speeds
+    from morse.plugins.mavlink.axes import Place
     from morse.plugins.mavlink.vehicle import Vehicle
+
+
+_GRAVITY = 9.81
+#: gains: velocity per error of the position, 1/s; acceleration per error of the velocity, 1/s; yaw rate, 1/s
+_APPROACH, _FOLLOW, _TURN = 0.8, 1.6, 1.5
+#: rad, and m/s: limits of setpoints that have none
+_MOST_BANK, _MOST_TURN, _MOST_SPEED, _MOST_CLIMB = math.radians(25.0), 1.0, 5.0, 2.0
+
+
+class AttitudeHelm(Helm):
+    """Velocity by the position, acceleration by the velocity, attitude and thrust by the acceleration."""
+
+    def goto(self, goal: Triple, yaw: float | None, speeds: Speeds, now: Motion) -> None:
+        """See `Helm.goto`."""
+        x, y, z = (_APPROACH * (a - b) for a, b in zip(goal, now.position, strict=True))
+        flat, most = math.hypot(x, y), min(speeds.level, _MOST_SPEED)
+        share = min(1.0, most / flat) if flat else 0.0
+        climb = max(-min(speeds.down, _MOST_CLIMB), min(z, speeds.up, _MOST_CLIMB))
+        self.go((x * share, y * share, climb), yaw, 0.0, now)
+
+    def go(self, velocity: Triple, yaw: float | None, rate: float, now: Motion) -> None:
+        """See `Helm.go`."""
+        x, y, z = (_FOLLOW * (a - b) for a, b in zip(velocity, now.velocity, strict=True))
+        c, s = math.cos(now.yaw), math.sin(now.yaw)
+        lift = max(0.3 * _GRAVITY, _GRAVITY + z)
+        forward, right = c * x + s * y, s * x - c * y
+        roll = _limited(math.atan2(right, lift), _MOST_BANK)
+        # nose down to fly ahead: a negative pitch
+        pitch = -_limited(math.atan2(forward, lift), _MOST_BANK)
+        if yaw is not None:
+            rate = _limited(_TURN * math.remainder(yaw - now.yaw, math.tau), _MOST_TURN)
+        component: Any = self.stream.component_instance
+        upright = max(0.5, now.rotation[8])
+        share = component.robot_parent.bge_object.mass * lift / upright / component._thrust_factor
+        thrust = max(0.0, min(share if component._linear_thrust else math.sqrt(share), 1.0))
+        if self._bound.has("rates"):
+            self.send(orientation=quaternion_of(roll, pitch, 0.0), rates=(0.0, 0.0, -rate), thrust=thrust)
+        else:
+            heading = self._place.heading(now.yaw if yaw is None else yaw)
+            self.send(orientation=quaternion_of(roll, pitch, heading), thrust=thrust)
+
+
+def _limited(value: float, most: float) -> float:
+    return max(-most, min(value, most))
+
 
 #: message kinds of the actuators that can steer, the best first
 _HELMS: dict[str, type[Helm]] = {"pose": GoalHelm, "twist": TwistHelm, "attitude": AttitudeHelm}

@@ -10,9 +10,9 @@ from morse.plugins.mavlink.autopilot.items import Item
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.plugins.mavlink.autopilot.fence import Fence
+    from morse.plugins.mavlink.autopilot.failsafe import Fence
     from morse.plugins.mavlink.autopilot.mission import Mission
-    from morse.plugins.mavlink.messages import MavlinkMessage
+    from morse.plugins.mavlink.framing import MavlinkMessage
     from morse.plugins.mavlink.vehicle import Vehicle
 
 #: MAV_MISSION_TYPE
