@@ -183,6 +183,7 @@ class ModelData:
         lost: unsupported features of the file, one sentence each.
         step: time step, s.
         keyframes: name to the joint values of each joint (number of the joint to values).
+        materials: name to the colour and the surface.
     """
 
     file: MjcfFile
@@ -197,6 +198,7 @@ class ModelData:
     lost: list[str]
     keyframes: dict[str, dict[int, tuple[float, ...]]]
     step: float = 0.002
+    materials: dict[str, tuple[tuple[float, ...], SurfaceData]] = field(default_factory=dict)
 
 
 def compiled(source: Source) -> ModelData:
@@ -253,6 +255,13 @@ class _Reading:
             self.lost,
             self.keyframes(),
             float(m.opt.timestep),
+            {
+                mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_MATERIAL, index): (
+                    _row(m.mat_rgba[index]),
+                    self.surface(index),
+                )
+                for index in range(m.nmat)
+            },
         )
 
     def body(self, index: int) -> BodyData:

@@ -12,6 +12,7 @@ from morse.assets.errors import AssetError
 from morse.assets.mjcf.joints import Bones, pose
 from morse.assets.mjcf.sensors import sensors_of
 from morse.assets.mjcf.shapes import hide_collision_shapes, shape_node
+from morse.assets.mjcf.skins import add_skins
 from morse.assets.mjcf.source import Source
 from morse.assets.mjcf.textures import TextureImages
 from morse.mathutils import Matrix
@@ -147,6 +148,7 @@ class _Reader:
     def library(self) -> Library:
         check_sizes(self.model, self.source.path)
         hide_collision_shapes(self.model)
+        self.warnings += add_skins(self.model, self.source.skins)
         if len(self.model.bodies) == 1 and len(self.model.geoms) == 1:
             # the floor of a world that has nothing else
             return self._terrain()

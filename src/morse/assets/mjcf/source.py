@@ -17,6 +17,7 @@ from xml.etree import ElementTree
 from morse.assets.errors import AssetError
 from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
 from morse.assets.mjcf.old_files import modernize
+from morse.assets.mjcf.skins import read_skin
 from morse.assets.mjcf.textures import take_textures
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
@@ -25,8 +26,9 @@ from morse.scene.mjcf import MARKER, AttachedModel, MjcfFile
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from morse.assets.mjcf.skins import Skin
     from morse.assets.mjcf.textures import Texture
 
 _MOST_ELEMENTS, _MOST_FILES = 100_000, 200
@@ -59,6 +61,7 @@ class Source:
         name: name of the model.
         meshes: name in the texts to the content of the file.
         textures: pictures and patterns; the pixel that the engine has of each is its number.
+        skins: read here; the engine has no part in them.
         warnings: ignored elements, one sentence each.
     """
 
@@ -68,6 +71,7 @@ class Source:
         self.warnings: list[str] = main.warnings if main else []
         self.meshes: dict[str, bytes] = main.meshes if main else {}
         self.textures: list[Texture] = main.textures if main else []
+        self.skins: list[Skin] = []
         self._texts: list[str] = main._texts if main else []
         self._attached: dict[int, tuple[AttachedModel, ...]] = main._attached if main else {}
         self._files = self._elements = 0
@@ -207,7 +211,8 @@ class Source:
         for child in list(root):
             if child.tag in _LEFT_OUT:
                 root.remove(child)
-        unsupported = sorted({element.tag for element in root.iter() if element.tag in _UNSUPPORTED})
+        skins = list(root.iter("skin"))
+        unsupported = sorted({element.tag for element in root.iter() if _is_lost(element)})
         if any(element.get("type") == "sdf" for element in root.iter("geom")):
             unsupported.append("geom of type sdf")
         if any(element.get("camera") for element in root.iter("rangefinder")):
@@ -231,6 +236,7 @@ class Source:
             folder = compiler.get("assetdir") or ""
             self._folder = compiler.get("meshdir") or folder or self._folder
             self._texture_folder = compiler.get("texturedir") or folder or self._texture_folder
+        self._take_skins(skins)
         self.warnings += take_textures(root, self.textures, self._picture, _ORIGIN)
         for element in root.iter():
             if element.tag not in ("mesh", "hfield", "model"):
@@ -274,6 +280,18 @@ class Source:
                     removed_meshes.add(name)
                     assets.remove(mesh)
         _remove_shapes(root, "mesh", removed_meshes)
+
+    def _take_skins(self, elements: Sequence[ElementTree.Element]) -> None:
+        for element in elements:
+            file = element.get("file")
+            try:
+                if self._main is not self:
+                    raise ValueError("it belongs to a model that is attached")
+                path = None if file is None else self._file(file, element.get(_ORIGIN))
+                self.skins.append(read_skin(element, None if path is None else read_regular(path, _MOST_MESH_BYTES)))
+            except (ValueError, FileRefusedError, OSError) as error:
+                name = element.get("name") or file or ""
+                self.warnings.append(f"the skin '{name:.200}' is left out: {error}")
 
     def _take_heights(self, root: ElementTree.Element) -> None:
         removed_heights: set[str] = set()
@@ -348,6 +366,13 @@ def _lines_of(root: ElementTree.Element) -> list[tuple[str, int]]:
 
     lay_out(root)
     return places
+
+
+def _is_lost(element: ElementTree.Element) -> bool:
+    """Whether nothing is shown of an element that the engine does not get."""
+    if element.tag == "deformable":
+        return any(child.tag not in ("skin", "flex") for child in element)
+    return element.tag in _UNSUPPORTED and element.tag != "skin"
 
 
 def _is_left_out(child: ElementTree.Element) -> bool:
