@@ -11,8 +11,7 @@ import numpy as np
 from morse.assets.errors import AssetError
 from morse.assets.mjcf.joints import Bones, pose
 from morse.assets.mjcf.sensors import sensors_of
-from morse.assets.mjcf.shapes import hide_collision_shapes, shape_node
-from morse.assets.mjcf.skins import add_skins
+from morse.assets.mjcf.shapes import add_skins, hide_collision_shapes, shape_node
 from morse.assets.mjcf.source import Source
 from morse.assets.mjcf.textures import TextureImages
 from morse.mathutils import Matrix

@@ -8,13 +8,21 @@ import numpy as np
 
 from morse.assets import solids
 from morse.assets.mjcf.heights import height_mesh
+from morse.assets.mjcf.model import GeomData
+from morse.assets.mjcf.skins import pieces_of
 from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.mathutils import Quaternion
 from morse.mathutils.light import linear_color
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
+from morse.scene.mjcf import DEFAULT_CONTACT
 
 if TYPE_CHECKING:
-    from morse.assets.mjcf.model import GeomData, ModelData
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.assets.mjcf.model import ModelData, SurfaceData
+    from morse.assets.mjcf.skins import Skin
     from morse.assets.mjcf.textures import TextureImages
 
 #: the viewers of MuJoCo hide shapes of this group and of higher groups
@@ -128,3 +136,35 @@ def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
     if geom.kind == "cylinder":
         return solids.round_cylinder(size[0]), (size[0], size[0], size[1])
     return solids.capsule(*size), (1.0, 1.0, 1.0)
+
+
+def add_skins(model: ModelData, skins: Sequence[Skin]) -> list[str]:
+    """Add the pieces of skins to the shapes of the bodies; return what is left out, one sentence each."""
+    numbers = {body.name: index for index, body in enumerate(model.bodies)}
+    lost = []
+    for skin in skins:
+        unknown = next((bone.body for bone in skin.bones if bone.body not in numbers), None)
+        if unknown is not None:
+            lost.append(f"the skin '{skin.name:.60}' is left out: there is no body '{unknown:.60}'")
+            continue
+        color, surface = model.materials.get(skin.material, ((0.5, 0.5, 0.5, 1.0), None))
+        for bone, vertices, triangles, uvs in pieces_of(skin):
+            if surface is None or surface.texture < 0:
+                uvs = None
+            name = f"{skin.name}_{bone.body}"
+            geom = _piece(name, skin.color or color, skin.group, (vertices, triangles), surface, uvs)
+            model.bodies[numbers[bone.body]].geoms.append(len(model.geoms))
+            model.geoms.append(geom)
+    return lost
+
+
+def _piece(
+    name: str,
+    color: tuple[float, ...],
+    group: int,
+    mesh: tuple[NDArray[np.float32], NDArray[np.int32]],
+    surface: SurfaceData | None,
+    uvs: NDArray[np.float32] | None,
+) -> GeomData:
+    place, turn = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+    return GeomData(name, "mesh", (), place, turn, color, group, DEFAULT_CONTACT, (0, 0), mesh, None, surface, uvs)

@@ -12,18 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.mjcf.model import GeomData, SurfaceData
 from morse.mathutils import Quaternion
 from morse.mathutils.portable import matmul
-from morse.scene.mjcf import DEFAULT_CONTACT
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from xml.etree.ElementTree import Element
 
     from numpy.typing import NDArray
 
-    from morse.assets.mjcf.model import ModelData
 
 #: largest number of triangles of a skin, and of its bones
 _MOST_TRIANGLES, _MOST_BONES = 1_000_000, 10_000
@@ -154,39 +150,7 @@ def _from_file(content: bytes) -> _Parts:
     return vertices, uvs, triangles, bones
 
 
-def add_skins(model: ModelData, skins: Sequence[Skin]) -> list[str]:
-    """Add the pieces of skins to the shapes of the bodies; return what is left out, one sentence each."""
-    numbers = {body.name: index for index, body in enumerate(model.bodies)}
-    lost = []
-    for skin in skins:
-        unknown = next((bone.body for bone in skin.bones if bone.body not in numbers), None)
-        if unknown is not None:
-            lost.append(f"the skin '{skin.name:.60}' is left out: there is no body '{unknown:.60}'")
-            continue
-        color, surface = model.materials.get(skin.material, ((0.5, 0.5, 0.5, 1.0), None))
-        for bone, vertices, triangles, uvs in _pieces(skin):
-            if surface is None or surface.texture < 0:
-                uvs = None
-            name = f"{skin.name}_{bone.body}"
-            geom = _piece(name, skin.color or color, skin.group, (vertices, triangles), surface, uvs)
-            model.bodies[numbers[bone.body]].geoms.append(len(model.geoms))
-            model.geoms.append(geom)
-    return lost
-
-
-def _piece(
-    name: str,
-    color: tuple[float, ...],
-    group: int,
-    mesh: tuple[NDArray[np.float32], NDArray[np.int32]],
-    surface: SurfaceData | None,
-    uvs: NDArray[np.float32] | None,
-) -> GeomData:
-    place, turn = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-    return GeomData(name, "mesh", (), place, turn, color, group, DEFAULT_CONTACT, (0, 0), mesh, None, surface, uvs)
-
-
-def _pieces(
+def pieces_of(
     skin: Skin,
 ) -> list[tuple[SkinBone, NDArray[np.float32], NDArray[np.int32], NDArray[np.float32] | None]]:
     """Return the bones, with vertices in the frame of the body, triangles and texture coordinates of corners."""
