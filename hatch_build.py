@@ -59,7 +59,7 @@ def build_index(root: Path) -> None:
     package = root / "src" / "morse"
     sys.path.insert(0, str(root / "src"))
     try:
-        from morse.core.classes.definitions.index import write
+        from morse.core.classes.definitions import write
 
         kinds = ("sensors", "actuators", "robots", "modifiers")
         write(file for kind in kinds for file in (package / kind).glob("*.py"))

@@ -8,7 +8,7 @@ from PIL import Image
 from studio import beside, save
 
 import morse
-from morse.core.colors.image_colors import as_heat
+from morse.core.image_colors import as_heat
 
 if TYPE_CHECKING:
     from pathlib import Path

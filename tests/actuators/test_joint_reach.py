@@ -10,8 +10,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from effort import examples
-from morse.helpers.inverse_kinematics import Target
-from morse.helpers.reaching import reach
+from morse.helpers.inverse_kinematics import Target, reach
 from pymorse import MorseServiceFailed
 
 PICKER = Path(__file__).parents[2] / "examples" / "joints" / "picker.urdf"

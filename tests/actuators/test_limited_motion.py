@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.helpers.ramp import Ramp
+from morse.actuators.limited_motion import Ramp
 
 DT = 1.0 / 60.0
 LIMITS = st.one_of(st.just(0.0), st.floats(0.05, 50.0))

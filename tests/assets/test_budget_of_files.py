@@ -20,7 +20,7 @@ from morse.assets.loader import load
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.recording.errors import RecordingError
 from morse.recording.mcap import reader, records
-from morse.system import budget
+from morse.system import regular_files as budget
 from morse.system.pictures import MOST_PIXELS, open_picture, orientation_of
 from morse.system.workers import Worker
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import morse
-from morse.core.classes.definitions import index
-from morse.core.classes.definitions.reading import definitions
+from morse.core.classes import definitions as index
+from morse.core.classes.definitions import definitions
 
 PACKAGE = Path(morse.__file__).parent
 FILES = sorted(

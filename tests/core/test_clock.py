@@ -7,7 +7,7 @@ from morse.core.clock import Clock
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.validation import Arguments
 from morse.scene import TimeStrategies
-from morse.scene.settings import Settings
+from morse.scene.scene import Settings
 from morse.services.time_services import TimeServices
 
 

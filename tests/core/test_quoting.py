@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.core.reports.hints import closest, nearest
-from morse.core.reports.quoting import escaped, quoted, short, shown, spreadsheet_cell
+from morse.core.reports.quoting import closest, escaped, nearest, quoted, short, shown, spreadsheet_cell
 
 anything = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from morse.core.clients.time_share import TimeShare
+from morse.core.clients.budgets import TimeShare
 
 PERIOD = 1 / 60
 
@@ -25,7 +25,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    monkeypatch.setattr("morse.core.clients.time_share.perf_counter", made)
+    monkeypatch.setattr("morse.core.clients.budgets.perf_counter", made)
     return made
 
 

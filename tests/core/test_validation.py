@@ -19,7 +19,7 @@ from morse.actuators.v_omega import MotionVW
 from morse.core.declarations import Option, add_data, add_property
 from morse.core.exceptions import MorseDeclarationError, MorseRPCTypeError
 from morse.core.modifier import AbstractModifier
-from morse.core.reports.hints import closest, nearest
+from morse.core.reports.quoting import closest, nearest
 from morse.core.services import service, signature_of
 from morse.core.validation import (
     Arguments,

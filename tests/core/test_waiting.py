@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW
-from morse.core.clients.complaints import Complaints
-from morse.core.clients.waiting import Waiting
+from morse.core.clients.complaints import Complaints, Waiting
 from morse.core.datastream import DatastreamManager
 from morse.core.streams.kind_stream import KindStream
 from morse.scene import StreamDeclaration

@@ -1,6 +1,6 @@
 import pytest
 
-from morse.helpers.controller import PIDController
+from morse.core.wheeled_robot import PIDController
 
 
 def test_defaults():

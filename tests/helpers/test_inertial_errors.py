@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from morse.helpers.inertial_errors import ErrorTerms, InertialErrors
+from morse.sensors.imu import ErrorTerms, InertialErrors
 
 
 def record(terms, count, step, seed=5):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from effort import examples
 from morse.helpers.geodesy import LocalPlane
-from morse.helpers.magnetism import MagneticField, model_of
+from morse.sensors.magnetometer import MagneticField, model_of
 
 #: "The US/UK World Magnetic Model for 2015-2020" and "... for 2020-2025": year, height (km), latitude, longitude,
 #: north, east and down component (nT)

@@ -211,7 +211,7 @@ def _values() -> dict[str, Any]:
         "of the user": _object("state_traps:Estimate", ["mean", 0.0]),
         "of a component": _object("state_traps:Trap"),
         "with its own state": ["own", "state_traps:Mean", ["dict", []]],
-        "of MORSE": _object("morse.helpers.ramp:Ramp"),
+        "of MORSE": _object("morse.actuators.limited_motion:Ramp"),
         "of the network": _object("morse.core.clients.network:Network"),
         "of a process": _object("subprocess:Popen"),
         "an enumeration": ["enum", "morse.scene:NodeKind", "MESH", None],

@@ -12,8 +12,7 @@ import pytest
 from limited import connect, is_closed, reset, told_once
 
 from event_loops import run_apart
-from morse.core.clients.acceptors import Acceptor
-from morse.core.clients.acceptors.streams import AcceptedProtocol, StreamAcceptor
+from morse.core.clients.acceptors import AcceptedProtocol, Acceptor, StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.network import Network
 from morse.middleware.socket import datastream

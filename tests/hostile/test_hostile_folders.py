@@ -16,8 +16,8 @@ from morse.builder.names.places import source_folders
 from morse.core.exceptions import MorseError
 from morse.recording.mcap.writer import McapWriter
 from morse.system.free_names import free_path
-from morse.system.own_programs import command
 from morse.system.regular_files import RefusedFileError, check_default_name
+from morse.system.workers import command
 
 if TYPE_CHECKING:
     from pathlib import Path

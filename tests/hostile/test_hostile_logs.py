@@ -12,8 +12,7 @@ import pytest
 
 from morse.assets.loader import load
 from morse.core.clients.complaints import Complaints
-from morse.core.reports.folding import Folding
-from morse.core.reports.log import MorseFormatter
+from morse.core.reports.log import Folding, MorseFormatter
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

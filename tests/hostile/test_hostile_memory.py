@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from event_loops import run_apart
-from morse.core.clients.budget import CLIENT_BYTES, ENTRY, PARSED, Budget, OverBudget
-from morse.core.clients.time_share import TimeShares
+from morse.core.clients.budgets import CLIENT_BYTES, ENTRY, PARSED, Budget, OverBudget, TimeShares
 from morse.middleware.foxglove.client import FoxgloveClient
 from morse.middleware.rosbridge.client import RosbridgeClient
 from morse.middleware.web.client import WebClient
@@ -229,7 +228,7 @@ def test_channels_of_foxglove_have_the_budget() -> None:
 
 
 def test_requests_of_a_page_have_its_budget(caplog: pytest.LogCaptureFixture) -> None:
-    from morse.core.clients.arrivals import Arrivals
+    from morse.core.clients.budgets import Arrivals
     from morse.core.clients.web_access import Access
     from morse.viewer.view_messages import Answer
 

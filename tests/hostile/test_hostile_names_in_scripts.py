@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from effort import examples
 from morse.assets.sdf.script import scene_script
-from morse.system.python_text import inside_quotes, one_line, quoted
+from morse.system.source_text import inside_quotes, one_line, quoted
 from pymorse.component import Component
 from pymorse.stubs import stubs
 

@@ -13,7 +13,7 @@ from morse.assets.errors import AssetError
 from morse.assets.meshfiles.reader import read_meshes
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.cli.messages import CommandError, existing_file
-from morse.system import budget
+from morse.system import regular_files as budget
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:

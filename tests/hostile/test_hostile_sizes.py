@@ -11,7 +11,7 @@ from limited import connect, limited_run
 
 import morse
 from morse.builder import ATRV, Environment, Hokuyo, UltrasonicRangeFinder, VideoCamera
-from morse.core.clients.sensing import MOST_PIXELS, RAY, SensingBudget
+from morse.core.clients.budgets import MOST_PIXELS, RAY, SensingBudget
 from morse.core.exceptions import MorseError
 
 if TYPE_CHECKING:

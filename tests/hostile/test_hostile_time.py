@@ -17,9 +17,8 @@ import pytest
 from websockets.server import ServerProtocol
 
 from event_loops import run_apart
-from morse.core.clients.arrivals import Arrivals, Sender
+from morse.core.clients.budgets import Arrivals, Sender, TimeShare, TimeShares
 from morse.core.clients.network import Network
-from morse.core.clients.time_share import TimeShare, TimeShares
 from morse.core.clients.web_connection import PacedConnection
 from morse.core.validation import ClientCommands
 from morse.plugins.yarp.bottle import decode
@@ -434,7 +433,7 @@ def test_names_of_joints_are_limited_and_those_of_any_robot_fit() -> None:
 @pytest.mark.parametrize("floods", [1, 2, 5])
 def test_floods_of_several_middlewares_get_the_share_of_one(floods: int, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("morse.core.clients.time_share.perf_counter", lambda: now[0])
+    monkeypatch.setattr("morse.core.clients.budgets.perf_counter", lambda: now[0])
     together = TimeShares()
     shares, spent = [TimeShare(together) for _ in range(floods)], [0.0] * floods
     while now[0] < 130.0:

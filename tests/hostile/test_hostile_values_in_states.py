@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from effort import examples
 from morse.core.state import Reader, StateError
-from morse.core.state.kinds import is_data
+from morse.core.state.attributes import is_data
 from morse.simulation.recordings.input_recording import entry_from_bytes
 
 if TYPE_CHECKING:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from kernel_worlds import rotations
 
-from morse.kernel.drawing import Drawing, Light, Poses
-from morse.kernel.drawing.arrays import CAMERA, LAMP, MATERIAL, MIRRORED, SOLID, TEXTURE, VERTEX
+from morse.kernel.drawing.arrays import CAMERA, LAMP, MATERIAL, MIRRORED, SOLID, TEXTURE, VERTEX, Drawing, Light, Poses
 
 
 def pyramid(rng, size):

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh
-from morse.kernel.rays.arrays import CAPSULE, CYLINDER, MESH, SPHERE
+from morse.kernel.rays import CAPSULE, CYLINDER, MESH, SPHERE, Fan, Poses, SolidArrays, TriangleMesh
 
 KINDS = range(6)
 

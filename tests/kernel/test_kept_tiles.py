@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from kernel_drawings import RandomDrawing
 
 from effort import examples
-from morse.kernel.drawing import Kept
 from morse.kernel.drawing.arrays import NO_SURFACE, Poses, bounds_for, changes_for
-from morse.kernel.drawing.native import NativeDrawer
+from morse.kernel.drawing.native import Kept, NativeDrawer
 
 some = settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 SIZES = ((160, 100), (70, 130), (40, 40))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from morse.builder.assembly import shapes
-from morse.kernel.drawing import native_closed
+from morse.kernel.drawing import meshes
 from tests.kernel.twins import closed
 
 
@@ -38,10 +38,10 @@ def some_mesh(seed):
 @pytest.mark.parametrize("seed", range(20))
 def test_random_meshes_alike(build, seed):
     mesh = some_mesh(seed)
-    labels = native_closed.closed_labels(build, *mesh)
+    labels = meshes.closed_labels(*mesh, build)
     np.testing.assert_array_equal(labels, closed.closed_labels(*mesh))
 
 
 def test_random_meshes_have_parts_of_both_kinds(build):
-    shares = [(native_closed.closed_labels(build, *some_mesh(seed)) >= 0).mean() for seed in range(20)]
+    shares = [(meshes.closed_labels(*some_mesh(seed), build) >= 0).mean() for seed in range(20)]
     assert 0.05 < np.mean(shares) < 0.8

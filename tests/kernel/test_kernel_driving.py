@@ -9,9 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.kernel.driving import turns
-from morse.kernel.driving.arrays import ChassisArrays, GliderArrays, PlaneArrays, StanceArrays
-from morse.kernel.driving.native import NativeChassis, NativeGliders, NativePlanes
+from morse.kernel.driving import (
+    ChassisArrays,
+    GliderArrays,
+    NativeChassis,
+    NativeGliders,
+    NativePlanes,
+    PlaneArrays,
+    StanceArrays,
+    turn_by,
+)
 from tests.kernel.twins import driving
 
 
@@ -195,6 +202,6 @@ def test_planes_below_robots_are_selected_alike(build, strange):
 
 @given(st.floats(-1e5, 1e5))
 def test_sine_and_cosine(angle):
-    cosine, sine = turns.turn_by(angle)
+    cosine, sine = turn_by(angle)
     assert cosine == pytest.approx(math.cos(angle), abs=3e-16)
     assert sine == pytest.approx(math.sin(angle), abs=3e-16)

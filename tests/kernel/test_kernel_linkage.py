@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from morse.kernel.linkage.arrays import FIXED, PRISMATIC, REVOLUTE, LinkageArrays
-from morse.kernel.linkage.native import NativeLinkage
+from morse.kernel.linkage import FIXED, PRISMATIC, REVOLUTE, LinkageArrays, NativeLinkage
 from tests.kernel.twins import linkage
 
 

@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 from kernel_worlds import random_world, rotations, soup
 
 from effort import examples
+from morse.kernel import rays as native
 from morse.kernel import threads
-from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh, native
-from morse.kernel.rays.arrays import BOX, MESH
-from morse.kernel.rays.native import NativeRays
+from morse.kernel.rays import BOX, MESH, Fan, NativeRays, Poses, SolidArrays, TriangleMesh
 from tests.kernel.twins.rays import ReferenceRays
 
 some = settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from morse.builder.assembly import shapes
-from morse.kernel.drawing import Simplification, native_simplify
+from morse.kernel.drawing import meshes as drawing_meshes
+from morse.kernel.drawing.meshes import Simplification
 from tests.kernel.twins import simplify
 
 
@@ -51,7 +52,7 @@ def test_random_meshes_alike(build, seed):
     mine = some_mesh(seed)
     its = copied(mine)
     for limit in (0.03, 0.2):
-        left = native_simplify.simplify(build, its, limit)
+        left = drawing_meshes.simplify(its, limit, build)
         assert left == simplify.simplify(mine, limit) == its.alive.sum()
         chosen = its.alive > 0
         np.testing.assert_array_equal(its.alive, mine.alive)
@@ -61,5 +62,5 @@ def test_random_meshes_alike(build, seed):
 
 def test_random_meshes_become_simpler(build):
     meshes = [some_mesh(seed) for seed in range(6)]
-    left = [native_simplify.simplify(build, mesh, 0.2) for mesh in meshes]
+    left = [drawing_meshes.simplify(mesh, 0.2, build) for mesh in meshes]
     assert sum(left) < 0.7 * sum(len(mesh.alive) for mesh in meshes)

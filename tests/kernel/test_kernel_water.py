@@ -5,7 +5,7 @@ from ctypes import byref
 
 import numpy as np
 
-from morse.kernel.water.values import WaterValues
+from morse.kernel.water import WaterValues
 from tests.kernel.twins import water
 
 

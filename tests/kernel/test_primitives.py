@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from effort import examples
-from morse.kernel.rays.arrays import BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, SPHERE
+from morse.kernel.rays import BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, SPHERE
 from tests.kernel.twins import primitives
 
 PRIMITIVES = (BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID)

@@ -5,7 +5,7 @@ import pytest
 from many_scenes import arena, body, crowded_arena
 
 import morse
-from morse.core.validation.errors import CommandError
+from morse.core.validation.spec import CommandError
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import morse
-from morse.core.clients.time_share import TimeShares
+from morse.core.clients.budgets import TimeShares
 from morse.core.request_manager import OfferedService
 from morse.middleware.rosbridge.datastream import RosbridgeRequestManager
 
@@ -23,7 +23,7 @@ LONG = 0.02
 def served(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The arguments of the calls of the long service; its time is that of a clock that only the service advances."""
     calls: list[Any] = []
-    monkeypatch.setattr("morse.core.clients.time_share.perf_counter", lambda: 100.0 + LONG * len(calls))
+    monkeypatch.setattr("morse.core.clients.budgets.perf_counter", lambda: 100.0 + LONG * len(calls))
     return calls
 
 
@@ -102,7 +102,7 @@ def test_another_service_of_ros_2_is_served_after_one_call_of_a_flood(
     manager = ros2(served)
     offer(manager, served)
     now = [100.0]
-    monkeypatch.setattr("morse.core.clients.time_share.perf_counter", lambda: now[0] + LONG * len(served))
+    monkeypatch.setattr("morse.core.clients.budgets.perf_counter", lambda: now[0] + LONG * len(served))
     for _ in range(4):
         now[0] += 1.0
         manager.main()
@@ -148,7 +148,7 @@ def test_clients_of_a_websocket_are_served_in_turn(
             manager.call(greedy, number, "/simulation/spawn", b'["greedy"]')  # type: ignore[arg-type]
         manager.call(modest, 0, "/simulation/spawn", b'["modest"]')  # type: ignore[arg-type]
         now = [200.0]
-        monkeypatch.setattr("morse.core.clients.time_share.perf_counter", lambda: now[0] + LONG * len(served))
+        monkeypatch.setattr("morse.core.clients.budgets.perf_counter", lambda: now[0] + LONG * len(served))
         for _ in range(8):
             now[0] += 10 * LONG
             before = len(served)

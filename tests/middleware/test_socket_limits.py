@@ -130,7 +130,7 @@ def test_services_take_a_share_of_the_time_only(bench: Bench, monkeypatch: pytes
     def pass_time(seconds: float) -> None:
         clock[0] += seconds
 
-    monkeypatch.setattr("morse.core.clients.time_share.perf_counter", lambda: clock[0])
+    monkeypatch.setattr("morse.core.clients.budgets.perf_counter", lambda: clock[0])
     bench.requests.register_service("robot1.motion", lambda: pass_time(0.005), "slow")
     greedy = bench.connect()
     greedy.send(b"1 robot1.motion slow\n" * 900)

@@ -8,7 +8,7 @@ from worlds import box, ground, node, robot, run, world
 
 from morse.physics.gliding.feet import stance, trimmed
 from morse.scene import CollisionShape, ShapeKind
-from morse.scene.corners import corners
+from morse.scene.extent import corners
 
 ORIGIN, UPRIGHT = np.zeros(3), np.eye(3)
 

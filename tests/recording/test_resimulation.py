@@ -11,7 +11,7 @@ from recorded import SCRIPT, drive
 
 import morse
 from morse.core.exceptions import MorseError
-from morse.kernel import processor
+from morse.kernel import threads
 from morse.recording.errors import RecordingError
 from morse.recording.mcap import records
 from morse.recording.mcap.reader import McapFile
@@ -152,14 +152,14 @@ def test_rounding_is_accepted_of_another_kind_of_processor(
 ) -> None:
     with monkeypatch.context() as patch:
         if kind:
-            patch.setattr(processor, "kind", lambda: kind)
+            patch.setattr(threads, "kind", lambda: kind)
         with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
             drive(sim, 30)
     moved = tmp_path / "moved.py"
     moved.write_text(SCRIPT.replace("robot = ATRV()", f"robot = ATRV()\nrobot.translate(x={by})"))
     with Recording(tmp_path / "run.mcap") as recording:
         outcome = resimulate(recording, str(moved))
-    assert outcome.elsewhere == (f"processor {kind}, here {processor.kind()}" if kind else "")
+    assert outcome.elsewhere == (f"processor {kind}, here {threads.kind()}" if kind else "")
     assert (outcome.departure is None) is is_equal
     if is_equal:
         assert outcome.rounding is not None

@@ -7,8 +7,7 @@ import pytest
 from studio import FAR, Studio, Tripod, ball, box, floor
 
 from morse.builder.assembly import shapes
-from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh
-from morse.kernel.rays.arrays import MESH
+from morse.kernel.rays import MESH, Fan, Poses, SolidArrays, TriangleMesh
 from morse.rendering import Lens
 from morse.scene import PhysicsType
 from tests.kernel.twins.rays import ReferenceRays

@@ -7,7 +7,7 @@ import pytest
 
 import morse
 from morse.builder import Cube, Environment, FakeRobot, PassiveObject
-from morse.scene.water import water_level
+from morse.scene.extent import water_level
 
 LOOK = {"rotation": (1.5708, 0.0, 0.0), "focal_length": 24.0}
 

@@ -237,7 +237,7 @@ def test_a_camera_whose_images_depend_on_the_world_renders_at_once(tmp_path, mon
 
 
 def test_a_delay_that_needs_too_much_memory_is_refused(load, monkeypatch):
-    monkeypatch.setattr("morse.core.clients.sensing.MOST_PIXELS", math.inf)  # the budget of clients refuses it earlier
+    monkeypatch.setattr("morse.core.clients.budgets.MOST_PIXELS", math.inf)  # the budget of clients refuses it earlier
     with pytest.raises(LoadError, match=r"scene\.py:\d+.*delay of 1e\+06 s.*shorten the delay"):
         load(delay=1e6)
     simulation = load(delay=5.0)

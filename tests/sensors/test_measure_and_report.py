@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from messages import published
 
 from morse.core.declarations.fields import DataField
-from morse.core.generators import generator_state, set_generator_state
-from morse.core.noise import Noise, measured
+from morse.core.realism import Noise, generator_state, measured, set_generator_state
 from morse.mathutils import Quaternion
 from morse.scene.realism import NoiseModel
 

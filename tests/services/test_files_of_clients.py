@@ -12,7 +12,7 @@ import morse
 from morse.builder import Environment
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.recording.errors import RecordingError
-from morse.services import disk_room
+from morse.services import recording_services
 from morse.services.foreign_models import check_model
 from morse.services.recording_services import RecordingServices
 from morse.services.state_services import StateServices
@@ -40,7 +40,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_clients_do_not_fill_the_disk(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(disk_room.shutil, "disk_usage", lambda _: SimpleNamespace(free=100 << 20))
+    monkeypatch.setattr(recording_services.shutil, "disk_usage", lambda _: SimpleNamespace(free=100 << 20))
     with pytest.raises(MorseRPCInvokationError, match=r"run\.mcap is not written: only 100 MB are free"):
         RecordingServices(Simulation()).start_recording("run")
     states = StateServices(Simulation())

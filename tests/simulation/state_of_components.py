@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import morse
 import morse.builder as builder
 from morse.builder.names import catalog
+from morse.core.actuator import PendingCommands
 from morse.core.declarations import properties
-from morse.core.streams.pending_commands import PendingCommands
 from morse.verification.contract.contract_world import example
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import pytest
 
 import morse
 from morse.core.exceptions import MorseBuilderError
-from morse.core.validation.errors import CommandError
+from morse.core.validation.spec import CommandError
 from pymorse import MorseServiceFailed, MorseServicePreempted
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ import pytest
 from PIL import Image
 from view_worlds import playground
 
-from morse.core.colors.id_colors import as_colors
-from morse.core.colors.image_colors import as_heat, depth_levels
+from morse.core.image_colors import as_colors, as_heat, depth_levels
 from morse.viewer.description import ComponentDescription, FieldDescription, PropertyDescription
 from morse.viewer.feeds.sensors import as_jpeg, rim
 from morse.viewer.view_messages import (

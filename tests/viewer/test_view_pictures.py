@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from morse.core.colors.image_colors import FARTHEST_LEVEL, as_pixels, depth_levels
+from morse.core.image_colors import FARTHEST_LEVEL, as_pixels, depth_levels
 from morse.sensors.thermal_camera import ThermalCamera
 from morse.viewer.feeds.sensors import PicturesFeed, sightings
 from morse.viewer.hub import Wishes

@@ -16,8 +16,8 @@ import numpy as np
 from PIL import Image
 
 import morse
-from morse.core.colors.image_colors import as_coordinates, as_heat
 from morse.core.declarations import fields_of_component
+from morse.core.image_colors import as_coordinates, as_heat
 
 DOCS = Path(__file__).parents[2] / "docs"
 sys.path.insert(0, str(DOCS))

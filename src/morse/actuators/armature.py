@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from morse.actuators.ik_targets import Follower, nearer, seen_from, targets_of
-from morse.actuators.joint_reach import JointReach
+from morse.actuators.joint_reach import Follower, JointReach, nearer, seen_from, targets_of
 from morse.core import status
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.limits import AbsoluteSpeed, EulerAngles, Point
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_kind, add_property, add_state, each

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.helpers.components import add_data, add_kind, add_property
-from morse.helpers.water import Hull
-from morse.helpers.waves import Sea
+from morse.helpers.waves import Hull, Sea
 from morse.kernel.water import WaterValues, pusher
 from morse.mathutils.rotations import turn as turned
 from morse.mathutils.rotations import turn_back

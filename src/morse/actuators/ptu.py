@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.actuator import Actuator
-from morse.core.calls.progress import of_joints
+from morse.core.calls import of_joints
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.limits import ANGLE, Angle, Position
-from morse.core.parts.moving_parts import MovingPart
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
+from morse.core.robot_parts import MovingPart
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
 

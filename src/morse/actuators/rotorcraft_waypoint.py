@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.actuators.goal_motion import ARRIVED, STOP, TRANSIT, marker
 from morse.actuators.rotorcraft import BankingRotorcraft
 from morse.core import status
-from morse.core.calls.progress import of_distance
+from morse.core.calls import of_distance
 from morse.core.limits import ANGLE, LENGTH, POSITION, Angle, Length, Position
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property, add_state, euler

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.actuators.pose_holding import PoseHolding
+from morse.actuators.goal_motion import PoseHolding
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.helpers.components import add_data, add_state

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.core.ackermann_robot import PhysicsAckermannRobot
 from morse.core.actuator import Actuator
 from morse.core.limits import ANGLE, FORCE
-from morse.core.parts.ackermann_steering import AckermannSteering
+from morse.core.wheeled_robot import AckermannSteering, PhysicsAckermannRobot
 from morse.helpers.components import add_data, add_kind
 
 if TYPE_CHECKING:

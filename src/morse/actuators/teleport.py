@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.actuators.pose_holding import PoseHolding
+from morse.actuators.goal_motion import PoseHolding
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.core.validation import Commands

@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from typing import TYPE_CHECKING
 
-from morse.actuators.pose_holding import PoseHolding
+from morse.actuators.goal_motion import PoseHolding
 from morse.core.limits import ANGLE, POSITION
 from morse.helpers.components import add_data, add_kind, add_property, euler
 from morse.mathutils.rotations import rotation_from_euler

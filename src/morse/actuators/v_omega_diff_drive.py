@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from morse.actuators.speed_command import SpeedCommand
 from morse.core.wheeled_robot import PhysicsDifferentialRobot, drives_wheels
 from morse.helpers.components import add_property, while_same
-from morse.helpers.differential_drive import differential_drive, joint_list
-from morse.helpers.joint_motors import WHEEL_LENGTH, JointMotors, joint_names
+from morse.helpers.joint_motors import WHEEL_LENGTH, JointMotors, differential_drive, joint_list, joint_names
 from morse.scene.joint_wheels import joint_wheels
 
 if TYPE_CHECKING:

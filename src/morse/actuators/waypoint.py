@@ -6,12 +6,10 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from morse.actuators.goal_motion import STOP, TRANSIT, GoalMotion, marker
-from morse.actuators.obstacle_radars import REACH, ObstacleRadars
-from morse.core.calls.progress import of_distance
+from morse.actuators.goal_motion import REACH, STOP, TRANSIT, GoalMotion, ObstacleRadars, marker
+from morse.core.calls import of_distance
 from morse.core.limits import LENGTH, AbsoluteSpeed, Length, Position
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import quoted
+from morse.core.reports.quoting import nearest, quoted
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property, add_state
 

@@ -12,8 +12,7 @@ from morse.assets.arguments import ARGUMENTS
 from morse.assets.formats import reader_of
 from morse.assets.triangle_limit import check_triangles
 from morse.scene.scene_warnings import is_first
-from morse.system.budget import budget_of_file
-from morse.system.regular_files import open_regular
+from morse.system.regular_files import budget_of_file, open_regular
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets import search
 from morse.system import variables
-from morse.system.budget import BudgetError, once_for_file, take_search
-from morse.system.regular_files import open_regular
+from morse.system.regular_files import BudgetError, once_for_file, open_regular, take_search
 from morse.system.shared_folders import folders_above
 
 if TYPE_CHECKING:

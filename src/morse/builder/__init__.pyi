@@ -153,7 +153,7 @@ from morse.core.exceptions import MorseServiceError as MorseServiceError
 from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
 from morse.core.exceptions import NoComponentError as NoComponentError
 from morse.core.exceptions import UnexportableError as UnexportableError
-from morse.scene.settings import TimeStrategies as TimeStrategies
+from morse.scene.scene import TimeStrategies as TimeStrategies
 import logging as logging
 import math as math
 import os as os

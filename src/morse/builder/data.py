@@ -9,7 +9,7 @@ from morse.assets.search import MORSE_COMPONENTS, resource_dirs
 from morse.builder import workspace
 from morse.builder.components.interfaces import Interfaces
 from morse.builder.names.modifiers import modifier_classes
-from morse.core.reports.hints import closest
+from morse.core.reports.quoting import closest
 from morse.middleware import registry
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from morse.cli.render import drawn, load, request_of
 from morse.cli.scenes import resolve
 from morse.core.exceptions import MorseError
 from morse.core.reports.printing import console, echo
-from morse.scene.armature import JointKind
+from morse.scene.articulation import JointKind
 from morse.system.free_names import free_path
 from morse.system.regular_files import check_default_name
 from morse.system.source_text import encoded_source

@@ -113,8 +113,7 @@ def drawn(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
     """(H, W, 3) the present image."""
     import numpy as np
 
-    from morse.core.colors.id_colors import as_colors
-    from morse.core.colors.image_colors import as_pixels
+    from morse.core.image_colors import as_colors, as_pixels
     from morse.rendering.textures import LIGHT, encoded
 
     request.server.serve([request])

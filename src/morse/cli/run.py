@@ -19,10 +19,10 @@ from morse.builder.names.project_files import project_files
 from morse.cli.messages import CommandError, say, warn
 from morse.cli.scenes import resolve
 from morse.core.clock import SLOWEST
-from morse.core.node_name import node_name
 from morse.core.reports import log
 from morse.scene.image_workers import image_workers
 from morse.system.regular_files import read_regular
+from morse.system.variables import node_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

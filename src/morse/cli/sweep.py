@@ -91,7 +91,7 @@ def _exactly(words: list[str], usage: str) -> list[str]:
 
 def _study_of(file: str, name: str | None) -> Study:
     from morse.core.reports.faults import describe
-    from morse.core.reports.hints import nearest
+    from morse.core.reports.quoting import nearest
     from morse.many import Study
     from morse.many.sources import imported
 

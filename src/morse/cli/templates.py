@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from morse.cli.messages import CommandError
-from morse.system.python_text import inside_quotes
+from morse.system.source_text import inside_quotes
 
 _PLACEHOLDER = re.compile(r"@(env|name|classname|shortdesc)@")
 _APPEND = "#APPEND\n"

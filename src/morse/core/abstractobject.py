@@ -68,7 +68,7 @@ class AbstractObject:
     def progress(self) -> Fields:
         """Return the progress of the running service for the feedback of actions; empty if it is not known.
 
-        Keys are the names of fields of feedback messages, such as ``distance_remaining`` (`morse.core.calls.progress`).
+        Keys are the names of fields of feedback messages, such as ``distance_remaining`` (`morse.core.calls`).
         """
         return {}
 

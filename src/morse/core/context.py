@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar, cast
 from weakref import WeakSet
 
 from morse.core.classes.fixed import check_class
-from morse.core.clients.arrivals import Arrivals
+from morse.core.clients.budgets import Arrivals, SensingBudget, TimeShares
 from morse.core.clients.complaints import Complaints
-from morse.core.clients.sensing import SensingBudget
-from morse.core.clients.time_share import TimeShares
 from morse.core.guard import Guard
 from morse.core.journal import Journal
 

@@ -12,12 +12,13 @@ from morse.core.kinds.table import GENERAL
 from morse.core.mapping import mapped_kinds
 from morse.core.observer import Observer
 from morse.core.reports.quoting import shown
-from morse.core.validation.options import checked_options, with_defaults
+from morse.core.validation.fields import checked_options, with_defaults
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sized
 
+    from morse.core.actuator import Actuator
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.core.values import Fields, Options, Value
@@ -175,7 +176,6 @@ class DatastreamManager(Observer):
     def _called(self, stream: AbstractDatastream, declaration: StreamDeclaration) -> Callable[..., object]:
         """The function of a stream that its component calls."""
         from morse.core.actuator import Actuator
-        from morse.core.streams.command_timeout import CommandTimeout
 
         common = self._common_options(type(stream))
         # a class without declared options may have others of these names
@@ -345,3 +345,25 @@ class Paced(AbstractDatastream):
             return False
         self._last = number
         return self.stream.default(ci)
+
+
+class CommandTimeout(AbstractDatastream):
+    """Reads the stream of an actuator; the actuator itself ends the command, so that the end is part of its state.
+
+    Args:
+        stream: of the actuator.
+        seconds: of simulated time.
+    """
+
+    component_instance: Actuator
+
+    def __init__(self, stream: AbstractDatastream, seconds: float) -> None:
+        super().__init__(stream.component_instance, stream.kwargs)
+        self.stream, self._seconds = stream, seconds
+
+    def default(self, ci: Object | None = None) -> bool:
+        """See `AbstractDatastream.default`."""
+        if not self.stream.default(ci):
+            return False
+        self.component_instance.command_end = self.component_instance.clock.time + self._seconds
+        return True

@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, ClassVar, Protocol, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
 
-    from morse.core.clients.arrivals import Arrivals
+    from morse.core.clients.budgets import Arrivals, SensingBudget
     from morse.core.clients.complaints import Complaints
-    from morse.core.clients.sensing import SensingBudget
     from morse.core.clock import Clock
     from morse.core.services import ServiceDeclaration
-    from morse.core.serving import Request
     from morse.core.values import Fields
     from morse.core.world import Body, World
+    from morse.core.world.world import Request
     from morse.helpers.transformation import Transformation3d
     from morse.scene import Scene, StreamDeclaration
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.table import GENERAL, KINDS
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable

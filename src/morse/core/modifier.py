@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.state.attributes import replace, state_of
-from morse.core.validation.options import checked_options
+from morse.core.validation.fields import checked_options
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

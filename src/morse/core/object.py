@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from morse.core import context as _context
 from morse.core.abstractobject import AbstractObject
-from morse.core.classes import describing
+from morse.core.classes import builder_defaults
 from morse.core.classes.fixed import OfOneClass
-from morse.core.clients.sensing import RAY
+from morse.core.clients.budgets import RAY
 from morse.core.declarations import add_state, data_fields, levels, properties
 from morse.core.requests import Requesting
 from morse.core.services import ServiceDeclaration, declared_services, service
 from morse.core.state.attributes import replace, state_of
-from morse.core.state.errors import StateError
+from morse.core.state.values import StateError
 from morse.core.values import JsonObject, Value
 from morse.helpers.transformation import FollowingPose, Transformation3d
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.declarations import DataField
     from morse.core.interfaces import Carrier, Entry, Modifier
-    from morse.core.parts.moving_parts import MovingPart
+    from morse.core.robot_parts import MovingPart
     from morse.core.values import Fields, StateData
     from morse.core.world import Body
 
@@ -70,8 +70,8 @@ class Object(Requesting, AbstractObject):
 
     def __new__(cls, *args: object, **kwargs: object) -> Self:
         """In a scene script, ``Sonar()`` and ``Sonar("name")`` return the builder object of the component."""
-        if describing.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
-            description = describing.describe(cls, *args, **kwargs)
+        if builder_defaults.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
+            description = builder_defaults.describe(cls, *args, **kwargs)
             if description is not None:
                 return description  # type: ignore[no-any-return] # what scripts use in place of the component
         return super().__new__(cls)
@@ -296,7 +296,7 @@ class Object(Requesting, AbstractObject):
     def sensing_cost(self) -> float:
         """Return the pixels of a measurement with the present properties, with 16 for each ray; 0 without either.
 
-        Clients can only set and spawn what fits into the budget of `morse.core.clients.sensing`. Override it if the
+        Clients can only set and spawn what fits into the budget of `morse.core.clients.budgets`. Override it if the
         pixels or rays depend on properties that clients set.
         """
         return RAY * sum(len(request) for request in self.requests if isinstance(request, Sized))

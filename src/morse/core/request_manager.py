@@ -20,8 +20,7 @@ from morse.core.exceptions import (
 )
 from morse.core.journal import CANCEL, SERVICE
 from morse.core.reports.faults import ENDINGS, attribute, describe, name_of, summary
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import quoted, short
+from morse.core.reports.quoting import nearest, quoted, short
 from morse.core.services import Outcome, ServiceDeclaration
 from morse.core.streams.extent import TooLarge, check_result
 from morse.core.validation.arguments import Arguments

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from morse.core.guard import Guard
     from morse.core.interfaces import Component, Simulated
-    from morse.core.serving import Request, Server
     from morse.core.world import Body, RayBundle
+    from morse.core.world.world import Request, Server
 
 _R = TypeVar("_R", bound="Request")
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.declarations import add_data, add_property, add_state
 from morse.core.object import Object
-from morse.core.parts.link_parts import link_parts
+from morse.core.robot_parts import link_parts
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
 from morse.core.values import Value
@@ -17,7 +17,7 @@ from morse.helpers.transformation import FollowingPose
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.core.parts.moving_parts import MovingPart
+    from morse.core.robot_parts import MovingPart
     from morse.core.world import Body
 
 

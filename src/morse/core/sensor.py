@@ -6,31 +6,50 @@ servers for rays or images are `OnDemand`: what nobody reads is neither cast nor
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+import math
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from morse.core.declarations import add_data, add_state, data_fields
+import numpy as np
+
+from morse.core.declarations import add_data, add_state, data_fields, fields_of_component
+from morse.core.declarations.refused import numbers_in
 from morse.core.guard import modify, publish
-from morse.core.noise import measured
 from morse.core.object import Object
+from morse.core.realism import measured
+from morse.core.reports.quoting import closest
 from morse.core.requests import serve
 from morse.core.rows.lazy_data import LazyData, present_data
 from morse.core.rows.marks import is_on_read, is_overridden, waiting
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
+from morse.core.validation.fields import spec_of_field
 from morse.core.values import Fields, Value
 from morse.scene.realism import is_numeric
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
+    from morse.core.declarations.fields import DataField
     from morse.core.interfaces import Component
-    from morse.core.noise import Noise
-    from morse.core.realism import Realism
+    from morse.core.realism import Noise, Realism
     from morse.core.robot import Robot
-    from morse.core.watched_space import WatchedSpace
     from morse.scene.realism import RealismModel
 
     Pose = tuple[Sequence[float], Sequence[float]]
+
+
+class WatchedSpace(NamedTuple):
+    """A cone around the X axis of a sensor, or a sphere around the sensor.
+
+    Attributes:
+        reach: largest distance, metres.
+        angle: full opening angle, radians; 2 pi for a sphere.
+        seen: names of the objects that the sensor detects now.
+    """
+
+    reach: float
+    angle: float = 2.0 * math.pi
+    seen: tuple[str, ...] = ()
 
 
 class Sensor(Object):
@@ -273,3 +292,61 @@ def hold_on_demand(sensor: Sensor) -> OnDemand | None:
     is_late = sensor.realism is not None and sensor.realism.delay
     is_plain = cls.action is Sensor.action and not is_overridden(sensor) and not is_late
     return OnDemand(sensor) if is_plain and isinstance(getattr(cls, "local_data", None), LazyData) else None
+
+
+class Misfit(NamedTuple):
+    """A data field that does not match its declaration.
+
+    Attributes:
+        field: name of the field.
+        declared: whether the field is declared at all.
+        text: what is wrong, for a message.
+    """
+
+    field: str
+    declared: bool
+    text: str
+
+
+def misfits(component: Object, is_checked: Callable[[DataField], bool] = lambda field: True) -> Iterator[Misfit]:
+    """Yield the fields of ``local_data`` that are not declared, and those of a sensor with another type or range.
+
+    NaN and infinity are not reported.
+
+    Args:
+        is_checked: whether the values of a declared field are checked.
+    """
+    fields = fields_of_component(component)
+    for name, value in component.local_data.items():
+        if name not in fields:
+            # the data of a compound sensor are those of its members
+            if name not in component.context.components:
+                near = closest(name, fields)
+                hint = f"; did you mean '{near}'?" if near is not None else ""
+                yield Misfit(name, False, f"it publishes '{name}' without declaring it: add_data('{name}', ...){hint}")
+        elif isinstance(component, Sensor) and is_checked(fields[name]):
+            try:
+                text = _misfit(value, fields[name])
+            except RecursionError:
+                text = "is nested too deeply, or contains itself"
+            except Exception as error:  # values are objects of any class of users, and their methods may fail
+                text = f"cannot be read: {type(error).__name__}: {error!s:.80}"
+            if text:
+                yield Misfit(name, True, f"the data field '{name}' {text}")
+
+
+def _misfit(value: object, field: DataField) -> str:
+    """Return what is wrong with a value; empty if nothing is."""
+    if hasattr(value, "__iter__") and not hasattr(value, "__len__"):
+        return f"is {value!r:.80}, which can be read only once"
+    if isinstance(value, np.ndarray) and value.dtype.kind in "fiub":
+        is_finite = bool(np.isfinite(value).all())
+    else:
+        is_finite = all(map(math.isfinite, numbers_in(value)))
+    if not is_finite:
+        return ""
+    try:
+        spec_of_field(field, field.default).check()(value)
+    except ValueError as error:
+        return f"is {value!r:.80}, expected {error}"
+    return ""

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 
 
 class Unit(NamedTuple):

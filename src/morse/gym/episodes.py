@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.gym.task import Data, Read, Task, Touch, actions_of, check_task, outcome
 from morse.simulation.handles.component_handles import handle_of
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.core.values import Fields
 from morse.gym.values import columns_of
 

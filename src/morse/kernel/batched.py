@@ -14,7 +14,7 @@ from morse.kernel.memory import address
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.kernel.driving.course import Course
+    from morse.kernel.driving import Course
 
 
 class Lane(ctypes.Structure):

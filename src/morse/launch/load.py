@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.assets.formats import is_model
 from morse.core.exceptions import MorseError
-from morse.core.reports.hints import closest, nearest
-from morse.core.reports.quoting import quoted
+from morse.core.reports.quoting import closest, nearest, quoted
 from morse.kernel import loading, threads
 from morse.scene import Scene
 from morse.scene.image_workers import image_workers

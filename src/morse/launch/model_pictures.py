@@ -26,7 +26,7 @@ from morse.builder.own_classes import own_classes
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.reports.printing import echo
 from morse.scene.extent import visible_extent
-from morse.system.own_programs import own_output
+from morse.system.workers import own_output
 from morse.version import __version__
 
 if TYPE_CHECKING:

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.actuator import Actuator
+from morse.core.actuator import Actuator, PendingCommands
 from morse.core.declarations import fields_of_component
-from morse.core.streams.pending_commands import PendingCommands
-from morse.core.validation.errors import CommandError
 from morse.core.validation.fields import spec_of_field
-from morse.core.validation.spec import LARGEST
+from morse.core.validation.spec import LARGEST, CommandError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

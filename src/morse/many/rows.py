@@ -12,7 +12,7 @@ import numpy as np
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
 from morse.many.commands import CommandColumn

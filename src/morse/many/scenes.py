@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.launch.load import described, load, resolve
 from morse.scene import Scene
 from morse.simulation.options import RunOptions

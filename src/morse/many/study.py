@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.many import sources
 from morse.many.parameters import axis, combinations
 from morse.many.run import RESERVED, Run, decisive_versions, name_of, run_once

@@ -3,18 +3,134 @@
 from __future__ import annotations
 
 import collections.abc
+from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from math import cos, sin
 from operator import mul
-from typing import TYPE_CHECKING, Any, Self, SupportsFloat, overload
+from typing import TYPE_CHECKING, Any, Self, SupportsFloat, TypeAlias, overload
 
 from morse.mathutils import rotations
-from morse.mathutils import rows as algebra
 from morse.mathutils.orientation import Euler, Quaternion, Vector
-from morse.mathutils.rows import Lines, Rows
 from morse.mathutils.sequence import floats, is_number, rounded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
+
+
+Rows: TypeAlias = list[list[float]]
+
+
+def identity_rows(size: int) -> Rows:
+    """Return ones on the diagonal."""
+    return [[1.0 if i == j else 0.0 for j in range(size)] for i in range(size)]
+
+
+def product_rows(a: Sequence[Sequence[float]], b: Sequence[Sequence[float]]) -> Rows:
+    """Return the matrix product of a and b."""
+    columns = list(zip(*b, strict=True))
+    if len(b) == 4:
+        return [[p * s + q * t + r * u + o * v for s, t, u, v in columns] for p, q, r, o in a]
+    return [[sum(map(mul, row, column)) for column in columns] for row in a]
+
+
+def transposed_rows(a: Sequence[Sequence[float]]) -> Rows:
+    """Return the transposed matrix."""
+    return [list(column) for column in zip(*a, strict=True)]
+
+
+def minor_rows(a: Sequence[Sequence[float]], row: int, column: int) -> Rows:
+    """Return the matrix without one row and one column."""
+    return [[*line[:column], *line[column + 1 :]] for i, line in enumerate(a) if i != row]
+
+
+def determinant_of_rows(a: Sequence[Sequence[float]]) -> float:
+    """Return the determinant of a square matrix, by expansion along the first row."""
+    if len(a) == 2:
+        return a[0][0] * a[1][1] - a[0][1] * a[1][0]
+    if len(a) == 3:
+        (p, q, r), (s, t, u), (v, w, x) = a
+        return p * (t * x - u * w) - q * (s * x - u * v) + r * (s * w - t * v)
+    return sum((-1.0) ** j * a[0][j] * determinant_of_rows(minor_rows(a, 0, j)) for j in range(len(a)))
+
+
+def inverted_rows(a: Sequence[Sequence[float]]) -> Rows | None:
+    """Return the inverse by Gauss-Jordan elimination with partial pivoting, or None for a singular matrix."""
+    size = len(a)
+    work = [[*row, *unit] for row, unit in zip(a, identity_rows(size), strict=True)]
+    largest = max(abs(value) for row in a for value in row)
+    for column in range(size):
+        pivot = max(range(column, size), key=lambda i: abs(work[i][column]))
+        if not abs(work[pivot][column]) > 1e-15 * largest:
+            return None
+        work[column], work[pivot] = work[pivot], work[column]
+        lead = work[column][column]
+        work[column] = [value / lead for value in work[column]]
+        for i in range(size):
+            factor = work[i][column]
+            if i != column and factor != 0.0:
+                work[i] = [value - factor * base for value, base in zip(work[i], work[column], strict=True)]
+    return [row[size:] for row in work]
+
+
+class Column(MutableSequence[float]):
+    """One column of a matrix, or its upper part; assigning to its items changes the matrix."""
+
+    __slots__ = ("_column", "_rows")
+
+    def __init__(self, rows: Rows, column: int, height: int) -> None:
+        self._rows = rows[:height]
+        self._column = column
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __iter__(self) -> Iterator[float]:
+        return iter([row[self._column] for row in self._rows])
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return [row[self._column] for row in self._rows[index]]
+        return self._rows[index][self._column]
+
+    def __setitem__(self, index: Any, value: Any) -> None:
+        if isinstance(index, slice):
+            for row, item in zip(self._rows[index], value, strict=True):
+                row[self._column] = item
+        else:
+            self._rows[index][self._column] = value
+
+    def __delitem__(self, index: object) -> None:
+        raise TypeError("a column of a matrix has a fixed length")
+
+    def insert(self, index: int, value: float) -> None:
+        """Raise an error, because the length is fixed."""
+        raise TypeError("a column of a matrix has a fixed length")
+
+
+class Lines:
+    """The rows or the columns of a matrix as vectors; assigning to their items changes the matrix."""
+
+    __slots__ = ("_count", "_line")
+
+    def __init__(self, line: Callable[[int], Any], count: int) -> None:
+        self._line = line
+        self._count = count
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, index: int) -> object:
+        return self._line(self._checked(index))
+
+    def __setitem__(self, index: int, values: Iterable[float]) -> None:
+        self._line(self._checked(index))[:] = values
+
+    def __iter__(self) -> Iterator[Any]:
+        return (self._line(index) for index in range(self._count))
+
+    def _checked(self, index: int) -> int:
+        if not -self._count <= index < self._count:
+            raise IndexError(f"the matrix has {self._count} of them, given the index {index}")
+        return index % self._count
 
 
 _IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
@@ -54,7 +170,7 @@ class Matrix:
     @classmethod
     def Identity(cls, size: int) -> Self:  # noqa: N802 (Blender's name, as those below)
         """Return the identity with 2 to 4 rows."""
-        return cls(algebra.identity(size))
+        return cls(identity_rows(size))
 
     @classmethod
     def Diagonal(cls, values: Iterable[float]) -> Self:  # noqa: N802
@@ -113,7 +229,7 @@ class Matrix:
         scale: Iterable[float] | None,
     ) -> Self:
         """Return a 4x4 matrix that scales, then rotates, then translates; None omits a part."""
-        linear = algebra.identity(3) if rotation is None else rotations.rows_of(rotation.as_rotation())
+        linear = identity_rows(3) if rotation is None else rotations.rows_of(rotation.as_rotation())
         factors = (1.0, 1.0, 1.0) if scale is None else floats(scale, "Matrix.LocRotScale scale", 3, 3)
         offset = (0.0, 0.0, 0.0) if location is None else floats(location, "Matrix.LocRotScale location", 3, 3)
         rows = [
@@ -151,14 +267,14 @@ class Matrix:
     @property
     def col(self) -> Lines:
         """The columns as vectors; assigning to their items changes the matrix."""
-        return Lines(lambda index: Vector._wrap(algebra.Column(self._rows, index, len(self._rows))), len(self._rows[0]))
+        return Lines(lambda index: Vector._wrap(Column(self._rows, index, len(self._rows))), len(self._rows[0]))
 
     @property
     def translation(self) -> Vector:
         """The first three items of the last column of a 4x4 or 3x4 matrix; assigning to them changes the matrix."""
         if len(self._rows[0]) != 4 or len(self._rows) < 3:
             raise AttributeError(f"a {self._shape()} Matrix has no translation: convert it with to_4x4() first")
-        return Vector._wrap(algebra.Column(self._rows, 3, 3))
+        return Vector._wrap(Column(self._rows, 3, 3))
 
     @translation.setter
     def translation(self, vector: Iterable[float]) -> None:
@@ -183,7 +299,7 @@ class Matrix:
                 return Matrix._wrap(
                     rotations.rows_of(rotations.product(rotations.nine(self._rows), rotations.nine(other._rows)))
                 )
-            return Matrix._wrap(algebra.product(self._rows, other._rows))
+            return Matrix._wrap(product_rows(self._rows, other._rows))
         if is_number(other):
             return Matrix._wrap([[value * float(other) for value in row] for row in self._rows])
         return NotImplemented
@@ -227,7 +343,7 @@ class Matrix:
 
     def _applied_to_row(self, vector: Vector) -> Vector:
         items: Sequence[float] = vector._items
-        columns = algebra.transposed(self._rows)
+        columns = transposed_rows(self._rows)
         if len(items) == 3 and len(self._rows) == 4:
             items = (*items, 1.0)
             columns = columns[:3]
@@ -281,17 +397,17 @@ class Matrix:
 
     def transposed(self) -> Matrix:
         """Return the transposed matrix."""
-        return Matrix._wrap(algebra.transposed(self._rows))
+        return Matrix._wrap(transposed_rows(self._rows))
 
     def transpose(self) -> None:
         """Transpose a square matrix in place."""
         self._check_square("transpose")
-        self._become(algebra.transposed(self._rows))
+        self._become(transposed_rows(self._rows))
 
     def determinant(self) -> float:
         """Return the determinant of a square matrix."""
         self._check_square("determinant")
-        return algebra.determinant(self._rows)
+        return determinant_of_rows(self._rows)
 
     def inverted(self, fallback: object = ...) -> Any:
         """Return the inverse.
@@ -300,7 +416,7 @@ class Matrix:
             ValueError: the matrix is singular, and no fallback is given.
         """
         self._check_square("inverted")
-        inverse = algebra.inverted(self._rows)
+        inverse = inverted_rows(self._rows)
         if inverse is not None:
             return Matrix._wrap(inverse)
         if fallback is ...:
@@ -310,12 +426,12 @@ class Matrix:
     def inverted_safe(self) -> Matrix:
         """Return the inverse; if there is none, the inverse of the matrix with a small number added to its diagonal."""
         self._check_square("inverted_safe")
-        inverse = algebra.inverted(self._rows)
+        inverse = inverted_rows(self._rows)
         if inverse is None:
-            inverse = algebra.inverted(
+            inverse = inverted_rows(
                 [[value + (1e-8 if i == j else 0.0) for j, value in enumerate(row)] for i, row in enumerate(self._rows)]
             )
-        return Matrix._wrap(algebra.identity(len(self._rows)) if inverse is None else inverse)
+        return Matrix._wrap(identity_rows(len(self._rows)) if inverse is None else inverse)
 
     def invert(self, fallback: Matrix | None = None) -> None:
         """Invert the matrix in place; if it is singular, the result is the fallback.
@@ -333,7 +449,7 @@ class Matrix:
     def identity(self) -> None:
         """Set the matrix to the identity."""
         self._check_square("identity")
-        self._become(algebra.identity(len(self._rows)))
+        self._become(identity_rows(len(self._rows)))
 
     def zero(self) -> None:
         """Set all items to 0."""
@@ -390,7 +506,7 @@ class Matrix:
         self._rows = self.to_4x4()._rows
 
     def _resized(self, size: int) -> Matrix:
-        rows = algebra.identity(size)
+        rows = identity_rows(size)
         for new, row in zip(rows, self._rows, strict=False):
             width = min(size, len(row))
             new[:width] = row[:width]
@@ -419,7 +535,7 @@ class Matrix:
     @property
     def is_orthogonal(self) -> bool:
         """Whether the axes are perpendicular unit vectors, to five digits."""
-        columns = algebra.transposed(rotations.rows_of(self.as_rotation()))
+        columns = transposed_rows(rotations.rows_of(self.as_rotation()))
         return all(
             abs(sum(a * b for a, b in zip(p, q, strict=True)) - (i == j)) < 1e-5
             for i, p in enumerate(columns)

@@ -24,7 +24,7 @@ import morse.middleware
 from morse.core.classes.plugins import entry_points
 from morse.core.declarations import says_nothing
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.reports.hints import closest
+from morse.core.reports.quoting import closest
 from morse.system import OF_MACHINE, extras
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 
 from morse.core.declarations import Option, add_state
 from morse.core.modifier import AbstractModifier
-from morse.modifiers.deviations import deviations
+from morse.modifiers.earth import deviations
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from morse.core.exceptions import MorseError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import spreadsheet_cell
+from morse.core.reports.quoting import nearest, spreadsheet_cell
 from morse.core.validation.names import file_name
 from morse.recording.errors import RecordingError
 from morse.recording.fields import DECLARED, FIELDS

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.kinds import GENERAL, Message, fields_of
-from morse.core.kinds.slot_values import as_slot
+from morse.core.kinds.binding import as_slot
 from morse.core.rows.columns import columns_of
 from morse.core.rows.lazy_data import known_data
 from morse.core.sensor import Sensor

@@ -25,8 +25,8 @@ from morse.mathutils.portable import det, matmul
 from morse.rendering.meshes import clusters_of
 from morse.rendering.scenery import Frames, Scenery
 from morse.scene import is_shown, slot_materials
+from morse.scene.extent import shown_mesh
 from morse.scene.frames import rigid_frame
-from morse.scene.wrapping import shown_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from morse.kernel.drawing import Pictures
+    from morse.kernel.drawing.arrays import Pictures
     from morse.physics import World
     from morse.rendering.scenery import Scenery
     from morse.scene import Node, Scene, ViewSettings
@@ -169,7 +169,7 @@ def _sky_light(view: ViewSettings, lit: bool, mixed: bool) -> tuple[object, ...]
 
 
 def sky_of(view: ViewSettings, sunny: NDArray[np.float64]) -> NDArray[np.float32]:
-    """(20,) float32, see `morse.kernel.drawing.Light`."""
+    """(20,) float32, see `morse.kernel.drawing.arrays.Light`."""
     horizon, zenith, nadir, glow = _srgb(0xF4F8FB), _srgb(0x6EA6DE), _srgb(0xC3CAD0), _srgb(0xFFF1D6)
     if view.horizon_color:
         horizon = np.array(view.horizon_color, dtype=np.float64)

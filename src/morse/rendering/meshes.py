@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from morse.kernel.drawing import Simplification, closed_labels, simplify
 from morse.kernel.drawing.arrays import CLOSED, CLUSTER, MIXED, VERTEX
+from morse.kernel.drawing.meshes import Simplification, closed_labels, simplify
 from morse.mathutils.portable import norm
 
 if TYPE_CHECKING:
@@ -207,9 +207,9 @@ class Clusters(NamedTuple):
         triangles: (T, 4) int32, three vertices, relative to the first of the cluster, and the material slot.
         clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
         spheres: (C, 4) float32, centre and radius.
-        closed: (T,) uint8, 0, `CLOSED` or `MIXED`; see `morse.kernel.drawing.Drawing`.
+        closed: (T,) uint8, 0, `CLOSED` or `MIXED`; see `morse.kernel.drawing.arrays.Drawing`.
         guards: (C,) float32, radius of the sphere around the same centre that contains these parts.
-        levels: (C, 6) float32, see `morse.kernel.drawing.Drawing`.
+        levels: (C, 6) float32, see `morse.kernel.drawing.arrays.Drawing`.
     """
 
     vertices: NDArray[np.void]

@@ -9,21 +9,22 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.kernel.drawing import Light, drawer
+from morse.kernel.drawing.arrays import Light
+from morse.kernel.drawing.native import drawer
 from morse.rendering.contents import Contents
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.lights import Shadows, SpotShadows, lamps_of, light_nodes, sky_of
 from morse.rendering.picture import Picture
 from morse.rendering.requests import cameras_of, cut, kept_of, pixels_of, views_of
 from morse.rendering.textures import LIGHT, encoded
-from morse.scene.water import water_level
+from morse.scene.extent import water_level
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing import Poses
+    from morse.kernel.drawing.arrays import Poses
     from morse.physics import World
     from morse.rendering.contents import MeshStore
     from morse.rendering.lens import Lens, Motion

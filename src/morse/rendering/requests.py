@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from morse.kernel.drawing import Kept
 from morse.kernel.drawing.arrays import CAMERA
+from morse.kernel.drawing.native import Kept
 from morse.mathutils.portable import matmul
 from morse.rendering.distortion import DistortedLens, Drawn
 from morse.rendering.lens import moved
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing import Pictures
+    from morse.kernel.drawing.arrays import Pictures
     from morse.rendering.contents import Contents
     from morse.rendering.lens import Lens, Motion
     from morse.rendering.picture import Picture, Shot

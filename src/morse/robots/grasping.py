@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 from morse.core.robot import Robot
 from morse.core.services import service
 

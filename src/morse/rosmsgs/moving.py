@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.core.parts.moving_parts import FIXED
+from morse.core.robot_parts import FIXED
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotations import turn
 from morse.rosmsgs.names import relative_name
@@ -14,8 +14,8 @@ from morse.rosmsgs.parts import between, pose_of, product
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from morse.core.parts.moving_parts import MovingPart
     from morse.core.robot import Robot
+    from morse.core.robot_parts import MovingPart
     from morse.core.sensor import Sensor
     from morse.core.world import Body
     from morse.rosmsgs.names import Names

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 from morse.rosmsgs.names import checked_topic
 from morse.system.regular_files import read_regular
 

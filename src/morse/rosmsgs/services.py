@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 from morse.core.services import hints_of, service, signature_of
 from morse.rosmsgs.parts import as_json, from_json
 

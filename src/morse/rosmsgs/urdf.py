@@ -13,7 +13,7 @@ import numpy as np
 
 from morse.helpers.transformation import Transformation3d
 from morse.rosmsgs.parts import product
-from morse.scene.shapes import CollisionShape, ShapeKind
+from morse.scene.body import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -1,9 +1,7 @@
 """The scene as plain data: built by a script, run by the simulation, shown by the view."""
 
-from morse.scene.appearance import Camera, Image, Light, Material
-from morse.scene.armature import Bone, JointKind
-from morse.scene.articulation import Articulation, Control, Inertial, JointDynamics
-from morse.scene.body import BodySettings, Bounds, PhysicsType
+from morse.scene.articulation import Articulation, Bone, Control, Inertial, JointDynamics, JointKind
+from morse.scene.body import BodySettings, Bounds, CollisionShape, PhysicsType, ShapeKind
 from morse.scene.component import (
     ComponentDeclaration,
     ModifierDeclaration,
@@ -11,16 +9,11 @@ from morse.scene.component import (
     SourceLine,
     StreamDeclaration,
 )
-from morse.scene.joint_control import controls_of, is_dynamic
 from morse.scene.library import Library
-from morse.scene.looks import is_shown, shared_image, slot_materials
-from morse.scene.mesh import Mesh
-from morse.scene.model import Choice, ModelUse, Role
-from morse.scene.node import Node, NodeKind
-from morse.scene.scene import Scene, Zone
+from morse.scene.mesh import Camera, Image, Light, Material, Mesh
+from morse.scene.node import Node, NodeKind, controls_of, is_dynamic, is_shown, shared_image, slot_materials
+from morse.scene.scene import Choice, Display, Mist, ModelUse, Role, Scene, Settings, TimeStrategies, ViewSettings, Zone
 from morse.scene.scene_warnings import SceneWarning
-from morse.scene.settings import Display, Mist, Settings, TimeStrategies, ViewSettings
-from morse.scene.shapes import CollisionShape, ShapeKind
 
 __all__ = [
     "Articulation",

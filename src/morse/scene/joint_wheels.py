@@ -11,9 +11,9 @@ import numpy as np
 
 from morse.mathutils.portable import matmul
 from morse.scene import JointKind
-from morse.scene.bone_frames import start_frames
+from morse.scene.articulation import start_frames
+from morse.scene.body import ShapeKind
 from morse.scene.frames import rigid_frame
-from morse.scene.shapes import ShapeKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from morse.scene import Bone, Node
     from morse.scene.articulation import JointDynamics
+    from morse.scene.body import CollisionShape
     from morse.scene.frames import RigidFrame
-    from morse.scene.shapes import CollisionShape
 
     _Points = npt.NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from morse.scene.appearance import Image
-    from morse.scene.declared_sensor import DeclaredSensor
+    from morse.scene.component import DeclaredSensor
+    from morse.scene.mesh import Image
     from morse.scene.node import Node
 
 

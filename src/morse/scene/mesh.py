@@ -9,7 +9,76 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.scene.appearance import Material
+
+@dataclass(eq=False, slots=True, weakref_slot=True)
+class Image:
+    """An encoded image.
+
+    Attributes:
+        data: the bytes of a PNG or JPEG file.
+        mime: ``image/png`` or ``image/jpeg``.
+    """
+
+    name: str
+    data: bytes
+    mime: str
+
+
+@dataclass(eq=False, slots=True)
+class Material:
+    """A surface in the metallic-roughness model.
+
+    Attributes:
+        color: linear RGBA, 0..1; multiplied by the image if there is one.
+        emission: linear RGB times strength.
+        specular: 0..1; a laser scanner reports it as remission.
+        image: base colour texture, or None.
+        shadeless: whether the surface is shown in its own colour, without lighting.
+    """
+
+    name: str
+    color: tuple[float, float, float, float] = (0.8, 0.8, 0.8, 1.0)
+    metallic: float = 0.0
+    roughness: float = 0.6
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    specular: float = 0.5
+    image: Image | None = None
+    shadeless: bool = False
+    double_sided: bool = True
+
+
+@dataclass(slots=True)
+class Light:
+    """A lamp that shines along the -Z axis of its node.
+
+    Attributes:
+        type: ``POINT``, ``SUN``, ``SPOT``, ``AREA`` or ``HEMI``.
+        energy: relative to 1, the brightness of a normal lamp (for every type).
+        distance: distance at which the intensity has fallen to half, m.
+        spot_size: full opening angle of a spot, radians.
+    """
+
+    type: str = "POINT"
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    energy: float = 1.0
+    distance: float = 25.0
+    spot_size: float = 1.3
+    casts_shadow: bool = True
+
+
+@dataclass(slots=True)
+class Camera:
+    """A pinhole camera that looks along the -Z axis of its node, +Y up.
+
+    Attributes:
+        focal_length: mm, for a sensor 32 mm wide.
+        clip_start: metres.
+        clip_end: metres.
+    """
+
+    focal_length: float = 35.0
+    clip_start: float = 0.1
+    clip_end: float = 100.0
 
 
 @dataclass(eq=False, slots=True, weakref_slot=True)

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING
+from weakref import WeakValueDictionary
 
 from morse.mathutils import Euler, Matrix
+from morse.scene.articulation import CONTROL, DYNAMIC, Articulation, Control
 from morse.scene.body import BodySettings
+from morse.scene.mesh import Image, Material
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.scene.appearance import Camera, Image, Light, Material
-    from morse.scene.armature import Bone
-    from morse.scene.articulation import Articulation, Inertial
+    from morse.scene.articulation import Bone, Inertial
+    from morse.scene.body import CollisionShape
     from morse.scene.component import SourceLine
-    from morse.scene.mesh import Mesh
-    from morse.scene.shapes import CollisionShape
+    from morse.scene.mesh import Camera, Light, Mesh
+
 
 _COPY_SUFFIX = re.compile(r"[._]\d{3}$")
 
@@ -159,3 +162,55 @@ class Node:
         """4x4 matrix from the frame of this node to the world."""
         local = self.local_matrix()
         return local if self.parent is None else self.parent.world_matrix() @ local
+
+
+def is_dynamic(armature: Node) -> bool:
+    """Whether the physics moves the joints of a node: if its file has masses, or if a script asks for it."""
+    return bool(armature.bones) and bool(armature.properties.get(DYNAMIC, armature.articulation is not None))
+
+
+def controls_of(armature: Node) -> dict[str, Control]:
+    """Return the control mode of the motor of each joint of an armature."""
+    settings = armature.articulation or Articulation()
+    word = armature.properties.get(CONTROL)
+    common = Control(word) if isinstance(word, str) and word in list(Control) else None
+    control = dict(settings.control)
+    controls = {}
+    for bone in armature.bones:
+        own = bone.dynamics.control if bone.dynamics is not None else None
+        controls[bone.name] = control.get(bone.name) or common or own or Control.POSITION
+    return controls
+
+
+_PLAIN = Material("")
+#: the same images of all simulations, so that they are decoded once
+_IMAGES: WeakValueDictionary[bytes, Image] = WeakValueDictionary()
+
+
+def slot_materials(node: Node, mesh: Mesh) -> list[Material]:
+    """The material of every slot that a mesh uses: that of the node, otherwise that of the mesh."""
+    slot_count = int(mesh.material_index.max(initial=0)) + 1
+    slots = []
+    for slot in range(slot_count):
+        own = node.materials[slot] if slot < len(node.materials) else None
+        default = mesh.materials[slot] if slot < len(mesh.materials) else None
+        slots.append(own or default or _PLAIN)
+    return slots if node.image is None else [replace(material, image=node.image) for material in slots]
+
+
+def shared_image(name: str, data: bytes, mime: str) -> Image:
+    """Return an image; the same object for the same bytes."""
+    key = hashlib.blake2b(data, digest_size=16).digest()
+    image = _IMAGES.get(key)
+    if image is None:
+        image = _IMAGES[key] = Image(name, data, mime)
+    return image
+
+
+def is_shown(node: Node, visible: bool) -> bool:
+    """Whether a node is visible.
+
+    Args:
+        visible: whether its object is visible; the property ``visible`` can also hide it.
+    """
+    return visible and node.properties.get("visible", True) not in (0, "0", "false", "False")

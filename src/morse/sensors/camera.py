@@ -23,9 +23,8 @@ if TYPE_CHECKING:
 
     from morse.core.realism import Realism
     from morse.core.robot import Robot
-    from morse.core.sensor import Pose
+    from morse.core.sensor import Pose, WatchedSpace
     from morse.core.values import Fields
-    from morse.core.watched_space import WatchedSpace
     from morse.core.world import Body
     from morse.rendering import CameraRequest, Lens, Picture
     from morse.scene.realism import RealismModel

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseRPCTypeError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.values import Value

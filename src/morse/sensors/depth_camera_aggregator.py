@@ -8,8 +8,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseRPCTypeError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 from morse.core.services import service
 from morse.core.values import Value
 from morse.helpers.components import add_data, add_kind, add_property

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.clients.sensing import RAY
+from morse.core.clients.budgets import RAY
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.limits import ANGLE
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.core.noise import Noise
+    from morse.core.realism import Noise
     from morse.core.robot import Robot
     from morse.core.values import Fields
     from morse.core.world import Body

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.limits import LENGTH
-from morse.core.sensor import Sensor
+from morse.core.sensor import Sensor, WatchedSpace
 from morse.core.services import service
 from morse.core.validation.arguments import Range
-from morse.core.watched_space import WatchedSpace
 from morse.helpers.components import add_data, add_property
 
 if TYPE_CHECKING:

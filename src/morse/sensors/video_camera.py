@@ -13,7 +13,7 @@ from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.core.noise import Noise
+    from morse.core.realism import Noise
     from morse.core.robot import Robot
     from morse.core.world import Body
     from morse.rendering import Picture

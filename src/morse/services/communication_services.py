@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.core.services import service
 
 if TYPE_CHECKING:

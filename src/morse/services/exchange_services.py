@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
-from morse.core.actuator import Actuator
+from morse.core.actuator import Actuator, PendingCommands
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.core.rows.lazy_data import present_data
 from morse.core.services import concurrent_service
-from morse.core.streams.pending_commands import PendingCommands
-from morse.core.validation.errors import CommandError
+from morse.core.validation.spec import CommandError
 from morse.services.lockstep_services import Steps  # noqa: TC001 (arguments are checked against it)
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ import msgspec
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.limits import Point
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.core.services import service
 from morse.core.state import StateError
 

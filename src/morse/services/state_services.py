@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.core.services import service
 from morse.core.validation.names import check_stored_name
-from morse.services.disk_room import check_room, file_of
+from morse.services.recording_services import check_room, file_of
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -10,20 +12,126 @@ from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
 from morse.core.limits import ColorNumbers, EulerAngles, Point, QuaternionNumbers
 from morse.core.mathutils import Quaternion
 from morse.core.reports import log
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import quoted, short
+from morse.core.reports.quoting import nearest, quoted, short
 from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.values import JsonObject
-from morse.services import looks
-from morse.services.details import details
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from morse.core.context import Context
-    from morse.scene import Image
+    from morse.core.object import Object
+    from morse.core.values import Value
+    from morse.core.world import Body
+    from morse.scene import ComponentDeclaration, Image
+
+
+def details(context: Context) -> JsonObject:
+    """Return the robots with their components, services and streams, and the environment."""
+    declarations = {d.name: d for d in context.scene.components}
+    return {
+        "robots": [_robot(context, name, robot, declarations) for name, robot in context.robots.items()],
+        "environment": context.scene.environment,
+    }
+
+
+def _robot(context: Context, name: str, robot: object, declarations: dict[str, ComponentDeclaration]) -> JsonObject:
+    description: JsonObject = {"name": name, "type": type(robot).__name__, "components": {}}
+    for component_name, component in context.components.items():
+        if component.robot_parent is robot:
+            description["components"][component_name] = _component(context, component, declarations[component_name])
+    services = _services(context, name)
+    if services:
+        description["services"] = services
+        description["services_interfaces"] = [m.classpath for m in context.services.managers_of(name)]
+    return description
+
+
+def _component(context: Context, component: Object, declaration: ComponentDeclaration) -> JsonObject:
+    return {
+        "type": type(component).__name__,
+        "services": _services(context, declaration.name),
+        "service_interfaces": [m.classpath for m in context.services.managers_of(declaration.name)],
+        "stream_interfaces": [[stream.manager, stream.direction] for stream in declaration.streams],
+    }
+
+
+def _services(context: Context, name: str) -> list[str]:
+    names: list[str] = []
+    for manager in context.services.managers_of(name):
+        names += [service for service in manager.services().get(name, []) if service not in names]
+    return names
+
+
+#: largest energy of a lamp
+_BRIGHTEST = 1e6
+
+
+def set_color(context: Context, obj: Body, color: Sequence[float]) -> None:
+    """Set the colour of the surfaces of an object and its parts; of its light, if it is a lamp.
+
+    Raises:
+        ValueError: the colour is not valid, or the object has neither surface nor lamp.
+    """
+    check(obj, "color", color)
+    numbers = [float(number) for number in color]
+    for part in _parts(obj, "color"):
+        if part.node.mesh is None:
+            part.node.light = replace(part.node.light, color=tuple(numbers[:3]))
+        else:
+            part.node.color = (*numbers[:3], numbers[3] if len(numbers) == 4 else 1.0)
+        context.world.appearance_changed(part)
+
+
+def set_texture(context: Context, obj: Body, image: Image) -> None:
+    """Set the texture of the surfaces of an object and its parts.
+
+    Raises:
+        ValueError: the object has no surface.
+    """
+    check(obj, "texture", image)
+    for part in _parts(obj, "texture"):
+        part.node.image = image
+        context.world.appearance_changed(part)
+
+
+def set_light(context: Context, obj: Body, energy: float) -> None:
+    """Set the energy of the lamps of an object and its parts.
+
+    Raises:
+        ValueError: the energy is not valid, or the object has no lamp.
+    """
+    check(obj, "light", energy)
+    for part in _parts(obj, "light"):
+        part.node.light = replace(part.node.light, energy=float(energy))
+        context.world.appearance_changed(part)
+
+
+def check(obj: Body, what: str, value: Value) -> None:
+    """Raise the ValueError of `set_color` or `set_light`; ``what`` is ``color``, ``texture`` or ``light``."""
+    if what == "color":
+        if len(value) not in (3, 4) or not all(0.0 <= number <= 1.0 for number in value):
+            raise ValueError(
+                f"the colour of '{obj.name}' is {list(value)!r:.100}, expected red, green, blue from 0 to 1, and "
+                "perhaps the opacity"
+            )
+    elif what == "light" and (not 0.0 <= value <= _BRIGHTEST or not math.isfinite(value)):
+        raise ValueError(f"the energy of the lamp '{obj.name}' is {value!r:.100}, expected 0 to {_BRIGHTEST:g}")
+    if not _parts(obj, what):
+        expected = {"color": "neither a surface nor a lamp", "texture": "no surface"}.get(what, "no lamp")
+        raise ValueError(f"'{obj.name}' has {expected}: it has no {what} to set")
+
+
+def _parts(obj: Body, what: str) -> list[Any]:
+    everything = [obj, *obj.childrenRecursive]
+    lamps = [part for part in everything if part.node.light is not None]
+    surfaces = [part for part in everything if part.node.mesh is not None]
+    if what == "texture":
+        return surfaces
+    return (surfaces or lamps) if what == "color" else lamps
+
 
 #: names that are listed in the error message about a wrong name
 _PARTS = ("core.", "middleware.", "simulation.", "physics.", "viewer")
@@ -208,7 +316,7 @@ class Supervision(AbstractObject):
         Args:
             color: red, green, blue, linear, 0 to 1; a fourth number is the opacity of a surface.
         """
-        self._vary(partial(looks.set_color, self.context), object_name, color)
+        self._vary(partial(set_color, self.context), object_name, color)
 
     @service
     def set_object_texture(self, object_name: str, picture: str) -> None:
@@ -218,7 +326,7 @@ class Supervision(AbstractObject):
             picture: path of a PNG or JPEG file in a folder of models or in the folder of the simulation. On a mesh
                 without texture coordinates it covers each side of the bounding box once.
         """
-        self._vary(partial(looks.set_texture, self.context), object_name, self._picture(picture))
+        self._vary(partial(set_texture, self.context), object_name, self._picture(picture))
 
     @service
     def set_object_light(self, object_name: str, energy: float) -> None:
@@ -227,7 +335,7 @@ class Supervision(AbstractObject):
         Args:
             energy: relative to a normal lamp.
         """
-        self._vary(partial(looks.set_light, self.context), object_name, energy)
+        self._vary(partial(set_light, self.context), object_name, energy)
 
     def _vary(self, change: Callable[[Any, Any], None], name: str, value: object) -> None:
         try:

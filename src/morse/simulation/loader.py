@@ -15,8 +15,8 @@ from morse.core.classes.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
+from morse.core.hidden_methods import hidden_methods, laziness, lazy_methods
 from morse.core.kinds import findings_of
-from morse.core.parts.overwritten import hidden_methods, laziness, lazy_methods
 from morse.core.reports.faults import ENDINGS, attribute, describe, is_a, name_of, trace_of
 from morse.core.robot import Robot
 from morse.core.rows.lazy_data import Unclaimed

@@ -18,8 +18,7 @@ from morse.builder.names import catalog
 from morse.builder.script import describing
 from morse.core.context import acting
 from morse.core.exceptions import MorseBuilderError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short, shown
+from morse.core.reports.quoting import nearest, short, shown
 from morse.core.state import StateError
 from morse.core.validation.names import check_component_name, check_name
 from morse.recording.made.made import Made

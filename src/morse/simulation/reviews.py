@@ -9,8 +9,8 @@ from weakref import WeakSet
 
 from morse.core.exceptions import MorseError
 from morse.core.guard import Failure
-from morse.core.parts.overwritten import uncover
-from morse.core.validation.published import misfits
+from morse.core.hidden_methods import uncover
+from morse.core.sensor import misfits
 from morse.physics.model.lowest import lowest_shape
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
+from morse.core.hidden_methods import uncover
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
-from morse.core.parts.overwritten import uncover
 from morse.core.request_manager import MorseServices
 from morse.core.sensor import Sensor
 from morse.middleware.registry import needs_network

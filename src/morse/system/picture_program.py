@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import io
 
-from morse.system.budget import MOST_MEMORY, MOST_SECONDS
 from morse.system.pictures import load_readers, opened
+from morse.system.regular_files import MOST_MEMORY, MOST_SECONDS
 from morse.system.workers import Server, limit_resources, serve_program
 
 #: pixels of a picture

@@ -14,7 +14,7 @@ import warnings
 from functools import cache
 from typing import TYPE_CHECKING
 
-from morse.system.budget import budget_of_file
+from morse.system.regular_files import budget_of_file
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import logging
 import os
+import socket
 
 from morse.system import OF_MACHINE
 
@@ -74,3 +75,11 @@ def review() -> None:
                 logger.warning(
                     "the environment variable %s has no effect; did you mean %s?", name, close[0], extra=OF_MACHINE
                 )
+
+
+def node_name() -> str:
+    """Return the name of this node: ``--name`` of ``morse run``, else ``$MORSE_NODE``, else the name of the host.
+
+    ``morse run`` writes its option to ``$MORSE_NODE``.
+    """
+    return text("MORSE_NODE") or socket.gethostname()

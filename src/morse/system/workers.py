@@ -9,6 +9,7 @@ they do is a `concurrent.futures.Future`, as with any other executor.
 from __future__ import annotations
 
 import contextlib
+import io
 import logging
 import multiprocessing
 import os
@@ -26,12 +27,31 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, NoReturn, Protocol, TypeAlias, TypeVar
 
 from morse.system import OF_MACHINE
-from morse.system.own_programs import command
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
     from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
+
+
+def command(module: str, *words: str) -> list[str]:
+    """The command line that runs a module of MORSE.
+
+    The present folder is not searched for modules: it may be a folder of downloads, with a file such as ``json.py``.
+    """
+    return [sys.executable, "-P", "-m", module, *words]
+
+
+def own_output() -> io.FileIO:
+    """The pipe to the process that has started this one; from now on, what others print goes to the standard error.
+
+    Scene scripts, classes of projects and libraries print to the standard output, and would get between the messages.
+    The file has no buffer.
+    """
+    pipe = io.FileIO(os.dup(1), "wb")
+    os.dup2(2, 1)
+    return pipe
+
 
 logger = logging.getLogger(__name__)
 

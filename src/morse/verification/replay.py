@@ -34,7 +34,7 @@ from morse.core.reports.printing import echo
 from morse.launch.load import start
 from morse.physics import UnstableError
 from morse.simulation.options import RunOptions
-from morse.system.own_programs import own_output
+from morse.system.workers import own_output
 from morse.viewer.live_view import View
 from morse.viewer.page_messages import Hello, PageMessage, Taken, Watch
 from morse.viewer.protocol import VERSION

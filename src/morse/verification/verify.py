@@ -9,7 +9,7 @@ import subprocess
 import threading
 from typing import TYPE_CHECKING, Any
 
-from morse.system.own_programs import command
+from morse.system.workers import command
 from morse.verification.replay import Replay
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Literal, cast
 import numpy as np
 
 from morse.scene import is_shown, slot_materials
-from morse.scene.water import water_level
-from morse.scene.wrapping import shown_mesh
+from morse.scene.extent import shown_mesh, water_level
 from morse.viewer import description as d
 from morse.viewer.snapshot import MovingNode
 from morse.viewer.view_messages import Appearance

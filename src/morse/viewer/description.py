@@ -6,7 +6,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from morse.scene.settings import Overlay, PanelPlace  # noqa: TC001 (msgspec reads it)
+from morse.scene.scene import Overlay, PanelPlace  # noqa: TC001 (msgspec reads it)
 
 # What a page knows of the components: their data, properties and services.
 

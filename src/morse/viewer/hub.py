@@ -13,12 +13,10 @@ from urllib.parse import urlsplit
 from websockets.asyncio.server import broadcast
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.clients.acceptors.streams import StreamAcceptor
-from morse.core.clients.budget import ENTRY, PARSED, OverBudget
+from morse.core.clients.acceptors import StreamAcceptor
+from morse.core.clients.budgets import ENTRY, PARSED, OverBudget
 from morse.core.clients.complaints import Complaints
-from morse.core.clients.web_connection import sender_of
-from morse.core.clients.web_connections import NO_PLACE
-from morse.core.clients.web_ports import serve_on
+from morse.core.clients.web_connection import NO_PLACE, sender_of, serve_on
 from morse.core.reports.faults import describe
 from morse.viewer import page_messages as pm
 from morse.viewer.page import MOST_REQUESTS, ControlLock, Page, PageLeft, Requests
@@ -32,7 +30,7 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.http11 import Request, Response
 
-    from morse.core.clients.arrivals import Arrivals
+    from morse.core.clients.budgets import Arrivals
     from morse.core.clients.web_access import Access
     from morse.viewer.view_messages import ServerMessage, Subject
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.clients.budget import Budget
+from morse.core.clients.budgets import Budget
 from morse.viewer.page_messages import CancelService, ViewEvent
 from morse.viewer.view_messages import Seat as SeatMessage
 

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from morse.core import status
-from morse.core.actuator import Actuator
+from morse.core.actuator import Actuator, PendingCommands
 from morse.core.declarations import properties
 from morse.core.exceptions import MorseError
 from morse.core.reports.faults import describe
 from morse.core.request_manager import Outcome, RequestManager
-from morse.core.streams.pending_commands import PendingCommands
 from morse.viewer.feeds.components import cameras_of
 from morse.viewer.view_messages import Answer, History, PropertyValue, Refused
 

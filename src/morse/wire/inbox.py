@@ -7,7 +7,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from morse.core.clients.budget import Budget
+    from morse.core.clients.budgets import Budget
 
 _MAX_LINES = 64
 _MAX_BYTES = 1 << 20

@@ -10,7 +10,7 @@ import weakref
 from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.clients.acceptors import Acceptor
-from morse.core.clients.budget import Budget
+from morse.core.clients.budgets import Budget
 from morse.core.clients.complaints import Complaints
 from morse.wire.connection import Connection
 

@@ -16,7 +16,7 @@ from morse.assets.sdf import read_sdf
 from morse.mathutils import Vector
 from morse.physics import World
 from morse.scene import JointKind, PhysicsType, Scene, ShapeKind
-from morse.scene.couplings import ConstraintKind
+from morse.scene.articulation import ConstraintKind
 
 LINK = "<inertial><mass>1</mass></inertial>"
 FRAMES = """<sdf version="1.9"><model name="tower" canonical_link="b">

@@ -5,7 +5,7 @@ import math
 import mujoco
 import numpy as np
 
-from morse.scene.shapes import ShapeKind
+from morse.scene.body import ShapeKind
 
 
 def rotation(roll, pitch, yaw):

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def closed_labels(points: NDArray[np.float32], index: NDArray[np.int32]) -> NDArray[np.int32]:
-    """See `morse.kernel.drawing.closed_labels`."""
+    """See `morse.kernel.drawing.meshes.closed_labels`."""
     count = len(index)
     corners = points[index].astype(np.float64)
     beside, is_paired = _neighbours(_welded(points[index].reshape(-1, 3)).reshape(-1, 3))

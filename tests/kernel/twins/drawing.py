@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
-    from morse.kernel.drawing.kept import Kept
+    from morse.kernel.drawing.native import Kept
 
 _BAYER = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]], np.float32)
 _FARTHEST_TEXEL = 8e6

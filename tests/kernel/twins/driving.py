@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.kernel.driving.turns import GLIDES, SHIFTS, TURNS, arc, turn_by
+from morse.kernel.driving import GLIDES, SHIFTS, TURNS, arc, turn_by
 from tests.kernel.twins import pushing
 
 if TYPE_CHECKING:
-    from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays, PlaneArrays
+    from morse.kernel.driving import ChassisArrays, Floats, GliderArrays, PlaneArrays
 
 _ROLLS, _HOLDS = 1, 3  # dimensions of a contact without and with friction
 
 
 class Gliders:
-    """See `morse.kernel.driving.arrays.GliderWork`."""
+    """See `morse.kernel.driving.GliderWork`."""
 
     def __init__(self, arrays: GliderArrays) -> None:
         self._arrays = arrays
@@ -70,7 +70,7 @@ class Gliders:
 
 
 class Chassis:
-    """See `morse.kernel.driving.arrays.ChassisWork`."""
+    """See `morse.kernel.driving.ChassisWork`."""
 
     def __init__(self, arrays: ChassisArrays) -> None:
         self._arrays = arrays
@@ -129,7 +129,7 @@ class Chassis:
 
 
 class Planes:
-    """See `morse.kernel.driving.arrays.PlaneWork`."""
+    """See `morse.kernel.driving.PlaneWork`."""
 
     def __init__(self, arrays: PlaneArrays) -> None:
         self._arrays = arrays

@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.kernel.linkage.arrays import PRISMATIC, REVOLUTE
+from morse.kernel.linkage import PRISMATIC, REVOLUTE
 from morse.physics.poses.rigid import quaternion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.kernel.linkage.arrays import LinkageArrays
+    from morse.kernel.linkage import LinkageArrays
 
 _NOWHERE = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
 _ALIKE = 1e-14
 
 
 class Linkage:
-    """See `morse.kernel.linkage.arrays.LinkageWork`."""
+    """See `morse.kernel.linkage.LinkageWork`."""
 
     def __init__(self, arrays: LinkageArrays) -> None:
         self._arrays = arrays

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.kernel.driving.turns import SHIFTS, TURNS, arc
+from morse.kernel.driving import SHIFTS, TURNS, arc
 from morse.physics.driving.drives import body_velocity
 from morse.physics.gliding.stances import stands_still
 
 if TYPE_CHECKING:
-    from morse.kernel.driving.arrays import Floats, GliderArrays
+    from morse.kernel.driving import Floats, GliderArrays
 
 
 def push(all_: GliderArrays, positions: Floats, rotations: Floats, count: int, tick: int) -> tuple[int, int]:
-    """See `morse.kernel.driving.arrays.GliderWork.push`."""
+    """See `morse.kernel.driving.GliderWork.push`."""
     remaining = settled = 0
     for i in all_.others[:count].tolist():
         slot = int(all_.slots[i])

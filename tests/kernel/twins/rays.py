@@ -11,14 +11,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from morse.kernel.rays.arrays import MESH, Hits
+from morse.kernel.rays import MESH, Hits
 from tests.kernel.twins import primitives
 from tests.kernel.twins.triangles import ReferenceMesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.kernel.rays.arrays import Fan, Poses, SolidArrays, TriangleMesh
+    from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.intp]

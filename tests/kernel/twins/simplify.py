@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from morse.kernel.drawing.simplification import Simplification
+    from morse.kernel.drawing.meshes import Simplification
 
 _MOST_AROUND, _MOST_PASSES = 24, 16
 _SLIVER, _WIDE, _FLAT, _SHADE = 1e-3, 6.0, 0.05, 0.25
@@ -20,7 +20,7 @@ Vector = tuple[float, ...]
 
 
 def simplify(mesh: Simplification, limit: float) -> int:
-    """See `morse.kernel.drawing.simplify`."""
+    """See `morse.kernel.drawing.meshes.simplify`."""
     return _Work(mesh, limit).run()
 
 

@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.kernel.rays.arrays import TriangleMesh
+    from morse.kernel.rays import TriangleMesh
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.intp]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from morse.kernel.water.values import WaterValues
+    from morse.kernel.water import WaterValues
 
 
 def push(values: WaterValues) -> None:

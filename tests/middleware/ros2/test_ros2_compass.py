@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from morse.helpers.geodesy import LocalPlane
-from morse.helpers.magnetism import DEFAULT_YEAR, MagneticField
+from morse.sensors.magnetometer import DEFAULT_YEAR, MagneticField
 
 if TYPE_CHECKING:
     from collections.abc import Callable

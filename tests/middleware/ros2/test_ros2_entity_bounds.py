@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from test_ros2_simulation_interfaces import ALL, NOT_FOUND, OK, UNSUPPORTED, caller_of, pose, spawn
 
-from morse.scene.shape_boxes import box_around
-from morse.scene.shapes import CollisionShape, ShapeKind
+from morse.scene.body import CollisionShape, ShapeKind
+from morse.scene.extent import box_around
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from morse.core.kinds import KINDS
-from morse.core.kinds.message import Message
+from morse.core.kinds.kind import Message
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.kinds import Ros2Topics
 

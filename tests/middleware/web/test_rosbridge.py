@@ -20,7 +20,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 import morse
-from morse.core.clients.budget import CLIENT_BYTES
+from morse.core.clients.budgets import CLIENT_BYTES
 from morse.core.exceptions import MorseError
 from morse.middleware.rosbridge.datastream import RosbridgeHub
 from morse.middleware.web.client import WebClient

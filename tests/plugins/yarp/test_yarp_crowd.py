@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from event_loops import run_apart
-from morse.core.clients.arrivals import Arrivals
+from morse.core.clients.budgets import Arrivals
 from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen, port_of
 

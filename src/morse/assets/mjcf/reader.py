@@ -17,7 +17,7 @@ from morse.assets.mjcf.textures import TextureImages
 from morse.mathutils import Matrix
 from morse.mathutils.portable import matmul
 from morse.scene import Articulation, BodySettings, Inertial, Library, Node, NodeKind, PhysicsType
-from morse.scene.bone_frames import start_frames
+from morse.scene.articulation import start_frames
 from morse.scene.library import Keyframe
 from morse.scene.mjcf import DEFAULT_CONTACT, MjcfModel
 

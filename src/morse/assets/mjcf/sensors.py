@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.assets.mjcf.joints import pose
 from morse.mathutils import Matrix
 from morse.mathutils.rotations import nine
-from morse.scene.declared_sensor import DeclaredSensor
+from morse.scene.component import DeclaredSensor
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -13,7 +13,7 @@ from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix
 from morse.mathutils.rotations import nine
 from morse.scene import BodySettings, Material, Node, NodeKind
-from morse.scene.declared_sensor import DeclaredSensor
+from morse.scene.component import DeclaredSensor
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,7 +12,7 @@ from morse.assets.urdf.document import check_depth
 from morse.assets.urdf.structure import Joint, Link, settle_mimics
 from morse.mathutils import Matrix, Vector
 from morse.scene import JointDynamics
-from morse.scene.couplings import Constraint, ConstraintKind
+from morse.scene.articulation import Constraint, ConstraintKind
 from morse.system.free_names import free_name
 
 if TYPE_CHECKING:

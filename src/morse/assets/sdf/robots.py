@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from morse.assets.sdf.includes import Includes
     from morse.assets.sdf.scope import Scope
     from morse.scene import Inertial, Node
-    from morse.scene.declared_sensor import DeclaredSensor
+    from morse.scene.component import DeclaredSensor
 
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 #: moments, kg m^2, of a link without an element for them

@@ -15,7 +15,7 @@ from morse.assets.sdf.flat import links_of
 from morse.assets.sdf.includes import Includes
 from morse.assets.sdf.reader import read_sdf
 from morse.system.free_names import free_name
-from morse.system.python_text import one_line, quoted
+from morse.system.source_text import one_line, quoted
 
 if TYPE_CHECKING:
     from morse.assets.sdf.scope import Scope

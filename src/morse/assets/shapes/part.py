@@ -10,7 +10,7 @@ import numpy as np
 
 from morse.mathutils import portable
 from morse.mathutils.portable import matmul
-from morse.scene.shapes import CollisionShape, ShapeKind
+from morse.scene.body import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -25,7 +25,7 @@ from morse.scene import (
     NodeKind,
     PhysicsType,
 )
-from morse.scene.couplings import Couplings
+from morse.scene.articulation import Couplings
 
 if TYPE_CHECKING:
     from morse.assets.urdf.structure import Document, Joint, Link, Shape

@@ -13,7 +13,7 @@ from morse.assets.gazebo.topics import topic_of
 from morse.assets.gazebo.values import ValueMistakeError, number, text_of
 from morse.mathutils import Euler, Matrix
 from morse.mathutils.rotations import nine
-from morse.scene.declared_sensor import DeclaredSensor
+from morse.scene.component import DeclaredSensor
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
     from morse.mathutils import Matrix
     from morse.scene import Inertial, JointDynamics, Node
-    from morse.scene.couplings import Constraint
-    from morse.scene.declared_sensor import DeclaredSensor
+    from morse.scene.articulation import Constraint
+    from morse.scene.component import DeclaredSensor
 
 #: joints that move in several directions
 LOOSE = ("floating", "planar", "spherical")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from morse.builder.errors import ScriptError, Step, checks
 from morse.builder.names.classes import load_class
 from morse.core.declarations import data_fields, properties
-from morse.scene.settings import Display, Overlay, PanelPlace
+from morse.scene.scene import Display, Overlay, PanelPlace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -16,11 +16,11 @@ from morse.builder.components.passive import Zone as ZoneComponent
 from morse.builder.components.robot import Robot, connect
 from morse.builder.errors import ScriptError, Step
 from morse.core.exceptions import MorseBuilderError
-from morse.core.node_name import node_name
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.scene import ComponentDeclaration, PhysicsType, Scene, TimeStrategies, Zone
 from morse.scene.scene_warnings import about
 from morse.system import OF_MACHINE
+from morse.system.variables import node_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
     from morse.core.values import Options
     from morse.scene import Node
-    from morse.scene.declared_sensor import DeclaredSensor
+    from morse.scene.component import DeclaredSensor
 
 
 def add_walkers(roots: Iterable[Node], declarations: Iterable[DeclaredSensor]) -> None:

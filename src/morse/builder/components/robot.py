@@ -15,7 +15,7 @@ from morse.core.exceptions import MorseBuilderError
 from morse.mathutils import Matrix, Quaternion
 from morse.middleware import registry
 from morse.scene import Bounds
-from morse.scene.bone_frames import start_frames
+from morse.scene.articulation import start_frames
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
     from morse.core.values import Options
     from morse.scene import ComponentDeclaration, Library, Material, Node
-    from morse.scene.bone_frames import BonePose
+    from morse.scene.articulation import BonePose
 
 
 def set_keyframe(root: Node, library: Library, name: str) -> None:

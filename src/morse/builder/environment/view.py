@@ -16,7 +16,7 @@ from morse.scene import Mist
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.scene.settings import Overlay, PanelPlace
+    from morse.scene.scene import Overlay, PanelPlace
 
 
 class DisplayMethods(EnvironmentDescription):

@@ -8,8 +8,8 @@ from numbers import Real
 from typing import TYPE_CHECKING
 
 from morse.builder.legacy import values
-from morse.core.reports.hints import closest as closest
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import closest as closest
+from morse.core.reports.quoting import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseBuilderError
-from morse.system.source_lines import source_line
+from morse.system.source_text import source_line
 
 if TYPE_CHECKING:
     from morse.scene import SourceLine

@@ -19,7 +19,7 @@ from morse.system import OF_MACHINE
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.core.classes.definitions.reading import Definition
+    from morse.core.classes.definitions import Definition
 
 
 logger = logging.getLogger(__name__)

@@ -17,7 +17,7 @@ from morse.builder.derive import builder_class
 from morse.builder.names import catalog, frames, sources
 from morse.builder.names.catalog import KINDS
 from morse.builder.names.classes import load_class
-from morse.core.classes import describing
+from morse.core.classes import builder_defaults
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -46,7 +46,7 @@ class ProjectFinder:
 
     def install(self) -> None:
         """Install this finder before the path finder, once per process."""
-        describing.describe = describe
+        builder_defaults.describe = describe
         if not any(isinstance(finder, ProjectFinder) for finder in sys.meta_path):
             sys.meta_path.insert(0, self)
 

@@ -7,12 +7,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.core.classes.definitions.index import indexed
+from morse.core.classes.definitions import indexed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.core.classes.definitions.reading import Definition
+    from morse.core.classes.definitions import Definition
 
 
 def classes(package: str) -> Iterator[tuple[str, Definition]]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from morse.core.values import Properties
 
 
@@ -87,3 +89,8 @@ def builder_defaults(cls: type, product: str | None = None) -> BuilderDefaults:
         if defaults.name == product:
             return defaults  # type: ignore[no-any-return]
     raise LookupError(f"{cls.__name__} has no product '{product}'")
+
+
+#: function that creates the builder object of a component class that a scene script calls; it returns None if no scene
+#: script runs. The builder sets this hook.
+describe: Callable[..., Any] | None = None

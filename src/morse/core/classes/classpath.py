@@ -7,8 +7,8 @@ import inspect
 import sys
 
 from morse.core.exceptions import MorseError
-from morse.core.reports.hints import closest
-from morse.system.source_lines import source_line
+from morse.core.reports.quoting import closest
+from morse.system.source_text import source_line
 
 #: modules that users do not write
 _OURS = ("morse.", "builtins", "abc", "typing")

@@ -5,14 +5,16 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import TYPE_CHECKING
+from collections import deque
+from typing import TYPE_CHECKING, TypeVar
 
 from morse.core.reports.faults import place, summary
-from morse.core.reports.folding import PERIOD as _PERIOD
-from morse.core.reports.folding import TELLER
+from morse.core.reports.log import PERIOD as _PERIOD
+from morse.core.reports.log import TELLER
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
 
 #: number of kinds that are logged per period; the number is limited, because clients can create kinds by the names that
 #: they send
@@ -115,3 +117,28 @@ class Complaints:
         for kind in old:
             self._others += self._last.pop(kind)[1]
         return bool(old)
+
+
+_T = TypeVar("_T")
+
+
+class Waiting(deque[_T]):
+    """A queue that loses its oldest entry when it is full, and says so; any thread may append.
+
+    Args:
+        most: largest number of entries.
+        complaints: logs and counts the losses.
+        name: of the receiver, in the log.
+        what: name of the entries in the plural.
+    """
+
+    def __init__(self, most: int, complaints: Complaints, name: str, what: str) -> None:
+        super().__init__(maxlen=most)
+        self._complaints = complaints
+        self._text = f"{name}: {what} arrive faster than they are read: the oldest of more than {most} are lost"
+
+    def append(self, entry: _T, /) -> None:
+        """Add an entry at the end."""
+        if len(self) == self.maxlen:
+            self._complaints.warn(self._text, self._text)
+        super().append(entry)

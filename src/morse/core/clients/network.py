@@ -9,7 +9,7 @@ import threading
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from morse.core.clients.arrivals import Arrivals
+from morse.core.clients.budgets import Arrivals
 
 if TYPE_CHECKING:
     import socket

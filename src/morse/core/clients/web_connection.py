@@ -7,21 +7,62 @@ instead, and clients that do not read them take no memory.
 
 from __future__ import annotations
 
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.frames import Frame, Opcode
 from websockets.http11 import Response
 from websockets.protocol import State
 
-from morse.core.clients.web_connections import Connection
+from morse.core.clients.acceptors import AcceptedProtocol
 
 if TYPE_CHECKING:
     import asyncio
+    from collections.abc import Awaitable, Callable, Iterable
 
-    from websockets.asyncio.server import ServerConnection
+    from websockets.asyncio.server import Server
     from websockets.protocol import Event
 
-    from morse.core.clients.arrivals import Arrivals, Sender
+    from morse.core.clients.acceptors import StreamAcceptor, StreamConnection
+    from morse.core.clients.budgets import Arrivals, Sender
+
+
+_DATA = (Opcode.TEXT, Opcode.BINARY)
+
+MOST_WAITING = 4
+"""Maximum number of received messages of a client that wait to be processed; then its connection is not read."""
+
+
+class Connection(AcceptedProtocol, ServerConnection):
+    """A connection to a web server.
+
+    If there are too many, those without a complete request leave first, then those that have not sent a message over a
+    WebSocket.
+    """
+
+    def process_event(self, event: Event) -> None:
+        """See `websockets.asyncio.server.ServerConnection`."""
+        super().process_event(event)
+        self.place.stage = 1
+        if isinstance(event, Frame) and event.opcode in _DATA:
+            self.place.keeps_place = True
+
+
+def place_of(connection: ServerConnection) -> StreamConnection:
+    """The entry of a connection in the acceptor of its server."""
+    assert isinstance(connection, Connection)
+    return connection.place
+
+
+_REFUSAL = "The simulation has no place for one more connection. Close others, or try again later.\n"
+NO_PLACE = (
+    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n"
+    f"Retry-After: 5\r\nContent-Length: {len(_REFUSAL)}\r\n\r\n{_REFUSAL}"
+).encode()
+"""What a client gets for whose connection there is no place."""
+
 
 #: processor time of the answer to a request or a handshake, s
 _HANDSHAKE = 1e-3
@@ -226,3 +267,42 @@ def sender_of(connection: ServerConnection) -> Sender:
     """The account of the client of a `PacedConnection`."""
     assert isinstance(connection, PacedConnection)
     return connection.sender
+
+
+async def serve_on(
+    handler: Callable[[ServerConnection], Awaitable[None]],
+    host: str,
+    ports: Iterable[int],
+    arrivals: Arrivals,
+    acceptor: StreamAcceptor,
+    **options: Any,
+) -> tuple[Server, int]:
+    """Open a web server; what its clients send is processed within their share of the time.
+
+    Args:
+        options: see `websockets.asyncio.server.serve`.
+
+    Returns:
+        The server, and its port.
+
+    Raises:
+        OSError: no port is free.
+    """
+    failure = OSError("no port was given")
+    for port in ports:
+        try:
+            server = await serve(
+                handler,
+                host,
+                port,
+                create_connection=partial(PacedConnection, arrivals),  # type: ignore[arg-type] # a factory is sufficient
+                acceptor=acceptor,
+                compression=None,
+                max_queue=MOST_WAITING,
+                **options,
+            )
+        except OSError as error:
+            failure = error
+            continue
+        return server, int(next(iter(server.sockets)).getsockname()[1])
+    raise failure

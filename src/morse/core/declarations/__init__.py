@@ -20,9 +20,12 @@ component library.
 """
 
 from morse.core.classes.builder_defaults import BuilderDefaults, RobotDefaults, Visual
-from morse.core.declarations.fields import DataField, KindUse, Level, Property, StateVariable
-from morse.core.declarations.functions import add_data, add_kind, add_level, add_property, add_state
-from morse.core.declarations.merged import (
+from morse.core.declarations.fields import (
+    DataField,
+    KindUse,
+    Level,
+    Property,
+    StateVariable,
     data_fields,
     fields_of_component,
     kinds,
@@ -31,6 +34,7 @@ from morse.core.declarations.merged import (
     says_nothing,
     state_variables,
 )
+from morse.core.declarations.functions import add_data, add_kind, add_level, add_property, add_state
 from morse.core.declarations.option import Option
 from morse.core.declarations.refused import FRAMES
 from morse.core.declarations.sources import (

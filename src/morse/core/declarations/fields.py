@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from types import UnionType
 
     from morse.core.values import Value
+
 
 #: a shape: the length of each axis, None for any length
 Shape = tuple["int | None", ...]
@@ -149,3 +150,92 @@ class KindUse(NamedTuple):
     def on_level(self, level: str | None) -> bool:
         """Whether a component at that level uses the kind."""
         return self.level == "all" or level is None or level in _words(self.level)
+
+
+def _merged(cls: type, attribute: str) -> dict[str, Any]:
+    union: dict[str, object] = {}
+    for base in reversed(cls.__mro__):
+        union.update(vars(base).get(attribute, {}))
+    return union
+
+
+def data_fields(cls: type) -> dict[str, DataField]:
+    """Return the data fields of a class and its bases, in the order of declaration, bases first."""
+    return _merged(cls, "_data_fields")
+
+
+def fields_of_component(component: object) -> dict[str, DataField]:
+    """The data fields of a component: those of its class, and those that follow from its model."""
+    return {**data_fields(type(component)), **getattr(component, "own_fields", {})}
+
+
+def properties(cls: type) -> dict[str, Property]:
+    """Return the properties of a class and its bases: Python name to declaration."""
+    return _merged(cls, "_properties")
+
+
+def state_variables(cls: type) -> dict[str, StateVariable]:
+    """Return the declared state of a class and its bases: name of the attribute to declaration."""
+    return _merged(cls, "_state_variables")
+
+
+def levels(cls: type) -> dict[str, Level]:
+    """Return the abstraction levels of a class and its bases."""
+    return _merged(cls, "_levels")
+
+
+def kinds(cls: type) -> tuple[KindUse, ...]:
+    """Return the message kinds that a class declares, or those of its bases if it declares none."""
+    for base in cls.__mro__:
+        own = vars(base).get("_kinds")
+        if own is not None:
+            return tuple(own)
+    return ()
+
+
+def says_nothing(cls: type) -> bool:
+    """Whether a class declares that it has no message kinds (``add_kind(None)``): no middleware carries its data."""
+    own_kinds = (vars(base).get("_kinds") for base in cls.__mro__)
+    return next((not own for own in own_kinds if own is not None), False)
+
+
+class PropertyOf(NamedTuple):
+    """A property of one component.
+
+    Attributes:
+        attribute: name of the attribute of the component that holds the value.
+    """
+
+    component: object
+    attribute: str
+    declaration: Property
+
+
+class PropertyTable:
+    """Finds the properties of components.
+
+    Args:
+        component: returns the component of a name; None if there is none.
+        components: returns the names of the components whose properties are in the table.
+    """
+
+    def __init__(self, component: Callable[[str], object | None], components: Callable[[], Iterable[str]]) -> None:
+        self._component, self._components = component, components
+
+    def names(self) -> list[str]:
+        """The names of all properties, component by component."""
+        names: list[str] = []
+        for name in self._components():
+            component = self._component(name)
+            if component is not None:
+                names += [f"{name}.{one.name}" for one in properties(type(component)).values()]
+        return names
+
+    def find(self, name: str) -> PropertyOf | None:
+        """The property of a name; None if there is none."""
+        owner, _, attribute = name.rpartition(".")
+        component = self._component(owner)
+        if component is None or owner not in self._components():
+            return None
+        pairs = properties(type(component)).items()
+        return next((PropertyOf(component, own, one) for own, one in pairs if one.name == attribute), None)

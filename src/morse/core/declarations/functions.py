@@ -215,7 +215,7 @@ def add_kind(
     if kind is None:
         return
     use = KindUse(kind, slots, level if isinstance(level, str) else tuple(level), when, topic, on_request, _where(body))
-    from morse.core.kinds.uses import check_use
+    from morse.core.kinds.table import check_use
 
     check_use(use)
     uses.append(use)

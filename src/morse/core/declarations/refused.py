@@ -6,8 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, get_args
 
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import nearest, shown
 from morse.core.units import unit as known_unit
 
 if TYPE_CHECKING:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from morse.core.declarations.sources import Computed, Euler, Mapped, Prop, Scaled
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.turning import angles_of, normalized, quaternion_of
-from morse.core.reports.hints import closest, nearest
-from morse.core.reports.quoting import shown
+from morse.core.reports.quoting import closest, nearest, shown
 from morse.core.units import UnitError, conversion
 from morse.core.values import Value
 

@@ -5,7 +5,22 @@ A new optional slot does not change the version of a kind. A changed unit, frame
 
 from __future__ import annotations
 
+import logging
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from morse.core.classes.plugins import entry_points
+from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.kind import ORIENTATION, POINT, VECTOR, Kind, Slot
+from morse.core.reports.quoting import nearest, shown
+from morse.system import OF_MACHINE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from importlib.metadata import EntryPoint
+
+    from morse.core.declarations.fields import KindUse
+
 
 GENERAL = "general"
 
@@ -137,3 +152,86 @@ KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
 PICTURES = ("image", "cloud", "camera_info")
 #: kinds whose messages need at least one of the optional slots
 NEEDS_ONE = ("attitude", "pressure", "joints", "switch")
+
+
+logger = logging.getLogger(__name__)
+
+
+def kind_named(name: str) -> Kind | None:
+    """Return the kind of that name, from MORSE or from an installed package; None if there is none."""
+    return KINDS.get(name) or kinds_of_packages().get(name)
+
+
+def kinds_of_packages() -> dict[str, Kind]:
+    """Return the kinds of all installed packages by name."""
+    kinds: dict[str, Kind] = {}
+    for point in entry_points("morse.kinds"):
+        for kind in _loaded(point):
+            if kind.name in KINDS or kind.name in kinds:
+                logger.warning(
+                    "the message kind '%s' of %s already exists, and is left out",
+                    kind.name,
+                    point.value,
+                    extra=OF_MACHINE,
+                )
+            else:
+                kinds[kind.name] = kind
+    return kinds
+
+
+@lru_cache(maxsize=64)
+def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
+    try:
+        entry = point.load()
+    except Exception as error:  # a broken package must not prevent loading the others
+        logger.warning(
+            "the message kinds of %s cannot be loaded: %s: %s",
+            point.value,
+            type(error).__name__,
+            error,
+            extra=OF_MACHINE,
+        )
+        return ()
+    kinds = (entry,) if isinstance(entry, Kind) else tuple(entry) if isinstance(entry, (list, tuple)) else (entry,)
+    good = tuple(kind for kind in kinds if _is_kind(kind))
+    if len(good) < len(kinds):
+        logger.warning(
+            "%s provides an object that is not a message kind (morse.core.kinds.Kind)", point.value, extra=OF_MACHINE
+        )
+    return good
+
+
+def _is_kind(kind: object) -> bool:
+    return (
+        isinstance(kind, Kind)
+        and isinstance(kind.name, str)
+        and isinstance(kind.slots, dict)
+        and all(isinstance(slot, Slot) and slot.name == name for name, slot in kind.slots.items())
+    )
+
+
+def check_use(use: KindUse) -> None:
+    """Raise an error for an unknown kind, an unknown slot, or a missing slot.
+
+    Raises:
+        MorseDeclarationError: the message contains the location in the source and the nearest name.
+    """
+    kind = kind_named(use.kind)
+    if kind is None:
+        raise MorseDeclarationError(
+            f"{use.where}: there is no message kind {shown(use.kind)}{nearest(use.kind, KINDS, limit=30)}"
+        )
+    for name in use.slots:
+        if name not in kind.slots:
+            raise MorseDeclarationError(
+                f"{use.where}: kind '{kind.name}' has no slot '{name}'{nearest(name, kind.slots)}"
+            )
+    absent = [name for name, slot in kind.slots.items() if not slot.optional and name not in use.slots]
+    if absent:
+        raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs the slot {_quoted(absent)}")
+    if kind.name in NEEDS_ONE and not use.slots:
+        raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs one of the slots {_quoted(kind.slots)}")
+
+
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

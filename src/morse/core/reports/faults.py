@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 import morse
-from morse.core.reports.hints import closest
-from morse.core.reports.quoting import escaped
-from morse.system.source_lines import source_line
+from morse.core.reports.quoting import closest, escaped
+from morse.system.source_text import source_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable

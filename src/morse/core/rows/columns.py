@@ -9,7 +9,7 @@ import numpy as np
 from morse.core.rows.marks import mark_of
 from morse.helpers.transformation import UPRIGHT, euler_angles
 from morse.mathutils import portable
-from morse.mathutils.stacking import stacked
+from morse.mathutils.rotation_rows import stacked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -13,12 +13,10 @@ import numpy as np
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.reports.faults import is_a
-from morse.core.state import arrays
-from morse.core.state.attributes import check_name, reorder
-from morse.core.state.errors import StateError
-from morse.core.state.extents import Extents
-from morse.core.state.kinds import (
+from morse.core.state import values as arrays
+from morse.core.state.attributes import (
     MISSING,
+    check_name,
     created_by,
     fits,
     fits_roughly,
@@ -27,9 +25,10 @@ from morse.core.state.kinds import (
     is_routine,
     misfit,
     own_attributes,
+    reorder,
     word_of,
 )
-from morse.core.state.simple import PUT_TOGETHER
+from morse.core.state.values import PUT_TOGETHER, Extents, StateError
 from morse.core.state.writing import (
     AS_IS,
     DEEPEST,
@@ -48,7 +47,7 @@ from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from morse.core.state.references import References
+    from morse.core.state.values import References
     from morse.core.values import StateData
 
 _T = TypeVar("_T")

@@ -34,8 +34,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from morse.core.reports.faults import ENDINGS, class_name
-from morse.core.state import arrays
-from morse.core.state.simple import TAKEN_APART
+from morse.core.state import values as arrays
+from morse.core.state.values import TAKEN_APART
 from morse.core.streams.local_data import Later, LocalData
 from morse.helpers.transformation import FollowingPose, Transformation3d
 from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
@@ -43,7 +43,7 @@ from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from morse.core.state.references import References
+    from morse.core.state.values import References
     from morse.core.values import StateData
 
 #: a value that is not plain data: the word for its kind, and the plain data of which `Reader` makes it

@@ -5,8 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from morse.core.clients.complaints import Complaints
-from morse.core.clients.waiting import Waiting
+from morse.core.clients.complaints import Complaints, Waiting
 from morse.core.datastream import AbstractDatastream
 from morse.core.kinds.binding import BoundKind, bind, general_kind
 from morse.core.kinds.table import GENERAL

@@ -5,11 +5,9 @@ service.
 """
 
 from morse.core.validation.arguments import Arguments, Range
-from morse.core.validation.client_commands import ClientCommands
-from morse.core.validation.commands import Commands
-from morse.core.validation.errors import CommandError, OptionError, PropertyError
-from morse.core.validation.options import checked_options, with_defaults
-from morse.core.validation.properties import checked_property, checked_value
+from morse.core.validation.commands import ClientCommands, Commands
+from morse.core.validation.fields import checked_options, checked_property, checked_value, with_defaults
+from morse.core.validation.spec import CommandError, OptionError, PropertyError
 
 __all__ = [
     "Arguments",

@@ -5,10 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.core.validation.spec import Spec
+from morse.core.declarations import properties
+from morse.core.reports.quoting import nearest, shown
+from morse.core.validation.spec import OptionError, PropertyError, Spec
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option
     from morse.core.declarations.fields import DataField, OptionFields, Property
+    from morse.core.interfaces import Component
+    from morse.core.values import Fields, Value
+
 
 _TYPE_KINDS: dict[object, str] = {
     float: "number", int: "integer", bool: "boolean", str: "string", list: "list", tuple: "list", dict: "dict",
@@ -86,3 +94,66 @@ def _occurring(default: object) -> frozenset[str]:
     if isinstance(default, float) and not math.isfinite(default):
         return frozenset({str(float(default))})
     return frozenset()
+
+
+def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapping[str, object]) -> Fields:
+    """Return the given options as they are to be stored.
+
+    Args:
+        owner: owner of the options, for messages.
+        declarations: declared options by name.
+        values: values by name.
+
+    Raises:
+        OptionError: the message contains the option and the expected value, or the nearest name.
+    """
+    result = {}
+    for name, value in values.items():
+        option = declarations.get(name)
+        if option is None:
+            raise OptionError(f"{owner} has no option {shown(name)}{nearest(name, declarations)}")
+        result[name] = _checked(owner, name, option, value)
+    return result
+
+
+def _checked(owner: str, name: str, option: Option, value: object) -> Value:
+    try:
+        if isinstance(option.type, tuple) and not isinstance(value, option.type):
+            raise ValueError(" or ".join(one.__name__ for one in option.type))
+        return spec_of_option(option).check()(value)
+    except ValueError as error:
+        raise OptionError(f"option '{name}' of {owner} is {shown(value)}, expected {error}") from None
+
+
+def with_defaults(declarations: Mapping[str, Option], values: Mapping[str, object]) -> Fields:
+    """Return all options: the given values, and the defaults of the others."""
+    return {name: values.get(name, option.default) for name, option in declarations.items()}
+
+
+def checked_value(owner: str, prop: Property, value: object, *, script: bool = False) -> object:
+    """The value of a property as it is to be stored.
+
+    Args:
+        owner: owner of the property, for messages.
+        script: whether the property is set in the scene script.
+
+    Raises:
+        PropertyError: the message contains the property, the value and the expected value.
+    """
+    try:
+        return spec_of_property(prop, script=script).check()(value)
+    except ValueError as error:
+        raise PropertyError(f"property '{prop.name}' of {owner} is {shown(value)}, expected {error}") from None
+
+
+def checked_property(component: Component, name: object, value: object) -> tuple[str, Value]:
+    """The name of a property in Python, and the value as it is to be stored.
+
+    Raises:
+        PropertyError: the property does not exist, or the value is not valid.
+    """
+    by_name = {prop.name: (python_name, prop) for python_name, prop in properties(type(component)).items()}
+    if not isinstance(name, str) or name not in by_name:
+        raise PropertyError(f"{component.name()} has no property {shown(name)}{nearest(name, sorted(by_name))}")
+    python_name, prop = by_name[name]
+    return python_name, checked_value(component.name(), prop, value)

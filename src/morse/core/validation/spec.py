@@ -6,9 +6,8 @@ import math
 import sys
 from typing import TYPE_CHECKING, NamedTuple
 
-from morse.core.reports.hints import closest
-from morse.core.validation.arrays import array_check, list_check
-from morse.core.validation.plain import check_plain, check_text
+from morse.core.exceptions import MorseError, MorseRPCTypeError
+from morse.core.reports.quoting import closest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,6 +15,179 @@ if TYPE_CHECKING:
     from numpy import ndarray
 
     from morse.core.values import Value
+
+
+#: maximum nesting depth
+DEEPEST = 32
+_LOWEST_INTEGER, _HIGHEST_INTEGER = -(2**63), 2**64 - 1
+
+
+def check_text(text: str) -> None:
+    """Raise an error for strings that cannot be encoded as UTF-8: lone surrogates.
+
+    Raises:
+        ValueError: the message contains the expected value.
+    """
+    if not text.isascii():
+        try:
+            text.encode()
+        except UnicodeEncodeError:
+            raise ValueError("valid Unicode (no lone surrogates)") from None
+
+
+def check_plain(value: object, allow: frozenset[str] = frozenset()) -> None:
+    """Raise an error for values that some middleware cannot carry, at any depth.
+
+    Objects that are neither strings, numbers, lists nor dictionaries come from the process itself and are not checked.
+
+    Args:
+        allow: special values that are accepted: ``inf``, ``-inf`` and ``nan``.
+
+    Raises:
+        ValueError: the message contains the expected value.
+    """
+    queue: list[tuple[object, int]] = [(value, 0)]
+    while queue:
+        item, depth = queue.pop()
+        if isinstance(item, float):
+            if not math.isfinite(item) and str(float(item)) not in allow:
+                raise ValueError("finite numbers")
+        elif isinstance(item, str):
+            check_text(item)
+        elif isinstance(item, int):
+            if not _LOWEST_INTEGER <= item <= _HIGHEST_INTEGER:
+                raise ValueError("integers of at most 64 bits")
+        elif isinstance(item, (list, tuple, dict)):
+            if depth >= DEEPEST:
+                raise ValueError(f"lists and objects nested at most {DEEPEST} deep")
+            if isinstance(item, dict):
+                queue.extend((key, depth + 1) for key in item)
+                item = item.values()
+            queue.extend((inner, depth + 1) for inner in item)
+
+
+def size_of(value: object) -> int:
+    """Estimate the size of a value in bytes; strings and list items are counted, objects of other types are not."""
+    size = 0
+    queue = [value]
+    while queue:
+        item = queue.pop()
+        size += 16
+        if isinstance(item, (str, bytes)):
+            size += len(item)
+        elif isinstance(item, dict):
+            queue.extend(item)
+            queue.extend(item.values())
+        elif isinstance(item, (list, tuple)):
+            queue.extend(item)
+    return size
+
+
+def shape_text(shape: tuple[int | None, ...]) -> str:
+    """``3 numbers``, ``N x 3 numbers``."""
+    if shape == (1,):
+        return "1 number"
+    return " x ".join("N" if size is None else str(size) for size in shape) + " numbers"
+
+
+def array_check(
+    shape: tuple[int | None, ...],
+    dtype: str,
+    item: Callable[[Value], object],
+    in_range: Callable[[ndarray], bool],
+    range_text: str,
+) -> Callable[[Value], object]:
+    """Return a check for lists or arrays of exactly that shape.
+
+    Args:
+        dtype: numpy dtype of the array into which the value is converted; empty for a list.
+        item: check of a single number.
+        in_range: check of all numbers of an array.
+        range_text: the range, for messages.
+    """
+    expectation = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{range_text}"
+
+    def check(value: Value) -> Value:
+        if hasattr(value, "dtype"):
+            if not (_has_shape(value, shape) and in_range(value)):
+                raise ValueError(expectation)
+            return _as_array(value, shape, dtype, expectation) if dtype else value.tolist()
+        if not isinstance(value, (list, tuple)):
+            value = _listed(value, expectation)
+        try:
+            items = _nested(value, shape, item)
+        except ValueError:
+            raise ValueError(expectation) from None
+        return _as_array(items, shape, dtype, expectation) if dtype else items
+
+    return check
+
+
+def _has_shape(array: ndarray, shape: tuple[int | None, ...]) -> bool:
+    return (
+        array.dtype.kind in "iuf"
+        and array.ndim == len(shape)
+        and all(length is None or length == size for length, size in zip(shape, array.shape, strict=True))
+    )
+
+
+def _listed(value: object, expectation: str) -> list[object]:
+    # accepts mathutils vectors and tuples; strings are sequences as well, and are refused
+    if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
+        raise ValueError(expectation)
+    return list(value)
+
+
+def _nested(value: object, shape: tuple[int | None, ...], item: Callable[[Value], object]) -> list[Value]:
+    if not isinstance(value, (list, tuple)):
+        value = _listed(value, "")
+    if shape[0] is not None and len(value) != shape[0]:
+        raise ValueError
+    if len(shape) == 1:
+        return [item(number) for number in value]
+    rows = [_nested(row, shape[1:], item) for row in value]
+    if shape[1] is None and len({len(row) for row in rows}) > 1:
+        raise ValueError
+    return rows
+
+
+def _as_array(value: list[object], shape: tuple[int | None, ...], dtype: str, expectation: str) -> object:
+    import numpy as np
+
+    if len(value) == 0:
+        return np.zeros([size or 0 for size in shape], dtype)
+    wide = np.array(value)
+    try:
+        with np.errstate(over="ignore"):
+            array = np.array(wide, dtype)
+    except OverflowError:
+        raise ValueError(f"{expectation} that fit {dtype}") from None
+    if array.dtype.kind in "iu" and not (array == wide).all():
+        raise ValueError(f"{expectation} that fit {dtype}")
+    return array
+
+
+def list_check(
+    least: int, item: Callable[[Value], object], allow: frozenset[str], range_text: str
+) -> Callable[[Value], list[object]]:
+    """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
+    expectation = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
+
+    def check(value: object) -> list[Value]:
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        if not isinstance(value, (list, tuple)) or (least > 1 and len(value) < least):
+            raise ValueError(expectation + range_text)
+        if not least:
+            check_plain(value, allow)
+            return value if isinstance(value, list) else list(value)
+        try:
+            return [item(number) for number in value]
+        except ValueError:
+            raise ValueError(expectation + range_text) from None
+
+    return check
+
 
 #: the largest finite number
 LARGEST = sys.float_info.max
@@ -212,3 +384,23 @@ _CHECKS: dict[str, Callable[[Spec], Callable[[Value], Value]]] = {
     "dict": _dictionary,
     "any": _any,
 }
+
+
+class CommandError(MorseError, ValueError):
+    """A message is not valid for a component.
+
+    Attributes:
+        field: name of the invalid field, shortened and escaped, or an empty string.
+    """
+
+    def __init__(self, field: str, message: str) -> None:
+        super().__init__(message)
+        self.field = field
+
+
+class PropertyError(MorseRPCTypeError, ValueError, TypeError):
+    """A property does not exist, or its value is not valid."""
+
+
+class OptionError(MorseError, ValueError):
+    """An option of a modifier or a stream does not exist, or its value is not valid."""

@@ -4,15 +4,117 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar, overload
 
-from morse.core.world.body_names import BodyNames
-
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from morse.core.values import Properties, Value
-    from morse.core.world.joints import Joints
-    from morse.mathutils import Vector
-    from morse.scene import Node
+    from morse.mathutils import Matrix, Vector
+    from morse.scene import Control, Node
+
+
+class BodyNames(Protocol):
+    """Pose, velocity and forces under the names of MORSE 1.4.
+
+    "World" values are in the axes of the world, "local" ones in the axes of the parent (poses) or of the body itself
+    (velocities and forces). Vectors and matrices can be assigned in any form that `morse.mathutils` converts.
+    """
+
+    @property
+    def worldPosition(self) -> Vector:  # noqa: N802
+        """Position in the world, m."""
+
+    @worldPosition.setter
+    def worldPosition(self, value: Sequence[float]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def worldOrientation(self) -> Matrix:  # noqa: N802
+        """3x3 rotation from its axes to those of the world."""
+
+    @worldOrientation.setter
+    def worldOrientation(self, value: Sequence[Sequence[float]]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def localPosition(self) -> Vector:  # noqa: N802
+        """Position in the frame of its parent, m."""
+
+    @localPosition.setter
+    def localPosition(self, value: Sequence[float]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def localOrientation(self) -> Matrix:  # noqa: N802
+        """3x3 rotation from its axes to those of its parent."""
+
+    @localOrientation.setter
+    def localOrientation(self, value: Sequence[Sequence[float]]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def worldTransform(self) -> Matrix:  # noqa: N802
+        """4x4 pose in the world."""
+
+    @worldTransform.setter
+    def worldTransform(self, value: Sequence[Sequence[float]]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def worldLinearVelocity(self) -> Vector:  # noqa: N802
+        """Velocity of its origin in world axes, m/s."""
+
+    @worldLinearVelocity.setter
+    def worldLinearVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def worldAngularVelocity(self) -> Vector:  # noqa: N802
+        """Angular velocity in world axes, rad/s."""
+
+    @worldAngularVelocity.setter
+    def worldAngularVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def localLinearVelocity(self) -> Vector:  # noqa: N802
+        """Velocity of its origin in its own axes, m/s."""
+
+    @localLinearVelocity.setter
+    def localLinearVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
+        ...
+
+    @property
+    def localAngularVelocity(self) -> Vector:  # noqa: N802
+        """Angular velocity in its own axes, rad/s."""
+
+    @localAngularVelocity.setter
+    def localAngularVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
+        ...
+
+    def getLinearVelocity(self, local: bool = False) -> Vector:  # noqa: N802
+        """Velocity of its origin, m/s."""
+
+    def setLinearVelocity(self, velocity: Sequence[float], local: bool = False) -> None:  # noqa: N802
+        """Set the velocity of its origin, m/s."""
+
+    def getAngularVelocity(self, local: bool = False) -> Vector:  # noqa: N802
+        """Angular velocity, rad/s."""
+
+    def setAngularVelocity(self, velocity: Sequence[float], local: bool = False) -> None:  # noqa: N802
+        """Set the angular velocity, rad/s."""
+
+    def applyForce(self, force: Sequence[float], local: bool = False) -> None:  # noqa: N802
+        """Apply a force at the centre of mass during the next tick, N."""
+
+    def applyTorque(self, torque: Sequence[float], local: bool = False) -> None:  # noqa: N802
+        """Apply a torque during the next tick, N m."""
+
+    def applyMovement(self, movement: Sequence[float], local: bool = False) -> None:  # noqa: N802
+        """Move the object immediately, m."""
+
+    def applyRotation(self, rotation: Sequence[float], local: bool = False) -> None:  # noqa: N802
+        """Rotate the object immediately, rad about each axis."""
+
 
 _D = TypeVar("_D")
 
@@ -301,3 +403,60 @@ class Wheel(Protocol):
     @property
     def speed(self) -> float:
         """Angular speed, rad/s."""
+
+
+class FileMotor(Protocol):
+    """An actuator of a model file that is no motor of a single joint: of a tendon, a muscle.
+
+    Attributes:
+        name: its name.
+        commands: smallest and largest command.
+        start: initial command.
+    """
+
+    name: str
+    commands: tuple[float, float]
+    start: float
+
+
+class Joints(Protocol):
+    """The joints of an armature: m, m/s and N, or rad, rad/s and N m."""
+
+    def tell(self, names: Sequence[str], values: Sequence[float]) -> None:
+        """Set the commands of motors: positions, velocities or efforts, see `morse.scene.Control`."""
+
+    def set_control(self, name: str, control: Control, command: float) -> None:
+        """Change the control mode of a motor, and its command."""
+
+    def gains(self, names: Sequence[str]) -> Sequence[tuple[float, float]]:
+        """Return stiffness and damping of motors."""
+
+    def set_gains(self, name: str, stiffness: float | None, damping: float | None) -> None:
+        """Set stiffness and damping of a motor; None to keep them."""
+
+    @property
+    def file_motors(self) -> Sequence[FileMotor]:
+        """The actuators of the file of the armature that are no motors of single joints."""
+
+    def pull(self, commands: Mapping[str, float]) -> None:
+        """Set the commands of actuators of the file: name to command."""
+
+    def tendons(self) -> dict[str, tuple[float, float, float]]:
+        """Return the actuators of the file: name to length (m), speed (m/s) and force (N)."""
+
+    def loose(self, name: str) -> tuple[list[float], list[float]]:
+        """Return the position and the velocity of a bone without a joint value, as stored in the engine.
+
+        Returns:
+            Displacements (m) along the axes of the bone, then an angle (rad) or a quaternion w, x, y, z; and their
+            velocities, m/s and rad/s. Both are empty if no object is attached to the bone.
+        """
+
+    def positions(self, names: Sequence[str]) -> list[float]:
+        """Return the measured positions."""
+
+    def velocities(self, names: Sequence[str]) -> list[float]:
+        """Return the measured velocities."""
+
+    def efforts(self, names: Sequence[str]) -> list[float]:
+        """Return the efforts that the motors exert."""

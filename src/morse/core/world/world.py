@@ -2,19 +2,80 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
-
-from morse.core.world.poses import WorldPoses
+from typing import TYPE_CHECKING, Protocol, Self, TypeAlias, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
     from morse.core.values import StateData
-    from morse.core.world.body import Bodies, Body, ContactMoment, JointMoment
-    from morse.core.world.linkage import Hanging, Linkage
-    from morse.core.world.rays import Rays
-    from morse.core.world.snapshots import Fleet
+    from morse.core.world.body import Bodies, Body, ContactMoment, JointMoment, Mounting
     from morse.scene import Bone, ComponentDeclaration, Node, Zone
+
+
+_Q = TypeVar("_Q", contravariant=True)
+
+
+class Server(Protocol[_Q]):
+    """Answers requests of one kind."""
+
+    def serve(self, requests: Sequence[_Q]) -> None:
+        """Answer requests, all of which belong to this server, for the present state of the world."""
+
+
+class Request(Protocol):
+    """A query that must be answered before each action of a component; the server writes the answer into it."""
+
+    @property
+    def server(self) -> Server[Self]:
+        """The server that answers the request."""
+
+
+Hanging: TypeAlias = tuple["Body", int, "Sequence[float]", "Sequence[float]"]
+"""An object, the index of its bone, and its position (3) and rotation (9) in the frame of the bone."""
+
+
+class Linkage(Protocol):
+    """The bones of an armature and the objects attached to them."""
+
+    def move(self, values: Sequence[float]) -> None:
+        """Move to joint values, rad or m: one for each bone that is not fixed, in the order of the bones."""
+
+
+class WorldPoses(Protocol):
+    """The poses of all rigid groups, and what has changed.
+
+    Attributes:
+        stamp: a value that changes whenever an object has moved.
+        displacements: number of changes of poses within a rigid group.
+        relocated: the static groups that were moved by explicit calls.
+        repaint_sinks: callbacks for objects whose appearance has changed.
+    """
+
+    stamp: int
+    displacements: int
+    relocated: set[int]
+    repaint_sinks: list[Callable[[Body], object]]
+
+    @property
+    def positions(self) -> PoseTable:
+        """The positions (K, 3) of the rigid groups, m: rows that are replaced, not changed."""
+
+    @property
+    def rotations(self) -> PoseTable:
+        """The rotations (K, 9) of the rigid groups: rows that are replaced, not changed."""
+
+    @property
+    def layout(self) -> int:
+        """A value that changes whenever `moving_nodes` changes."""
+
+    def moving_nodes(self) -> list[tuple[Node, str]]:
+        """Return the nodes whose poses change, each with its frame, ``world`` or ``parent``."""
+
+    def snapshots(self, objects: Sequence[Body]) -> Snapshots:
+        """Create a source of snapshots of the poses of some objects."""
 
 
 class World(WorldPoses, Protocol):
@@ -165,3 +226,146 @@ class World(WorldPoses, Protocol):
         Raises:
             ValueError: the state is damaged, or belongs to another scene; the world is then unchanged.
         """
+
+
+class Sight(Protocol):
+    """The results of a cast."""
+
+    @property
+    def distances(self) -> NDArray[np.float64]:
+        """(N,) distance of each hit, m; infinite for no hit."""
+
+    @property
+    def ranges(self) -> NDArray[np.float64]:
+        """(N,) distance of each hit, m; the reach for no hit."""
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(N, 3) hit points in the frame of the sensor, m; [0, 0, 0] for no hit."""
+
+    @property
+    def hit(self) -> NDArray[np.int64]:
+        """(N,) number of the solid at each hit; -1 for no hit; see `RayBundle.object_of`."""
+
+
+class RayBundle(Sight, Protocol):
+    """The rays of a sensor, and what they hit.
+
+    Attributes:
+        directions: (N, 3) unit vectors in the frame of the object; the array must not be modified.
+        reach: largest distance of a hit, m.
+    """
+
+    directions: NDArray[np.float64]
+    reach: float
+
+    def __len__(self) -> int: ...
+
+    @property
+    def server(self) -> Server[Self]:
+        """The server that casts these rays together with those of other sensors (see `morse.core.requests`)."""
+
+    @property
+    def sight(self) -> Sight:
+        """The results of the last cast, which do not change."""
+
+    def turn_to(self, directions: ArrayLike) -> None:
+        """Set other directions: (N, 3) vectors of nonzero length, in the frame of the object."""
+
+    def refresh(self) -> None:
+        """Cast the rays now, unless no object has moved since the last cast."""
+
+    @property
+    def remissions(self) -> NDArray[np.float64]:
+        """(N,) reflectance, 0..1: the ``specular`` of the material at each hit; 0 for no hit."""
+
+    def object_of(self, ray: int) -> Body | None:
+        """Return the object that a ray has hit; None for no hit, or if the object has been removed since."""
+
+    def segments(self) -> NDArray[np.float32]:
+        """Return (N, 7) origin, end (m, world frame) and 1 for a hit, 0 for no hit."""
+
+
+class Rays(Protocol):
+    """Casts rays."""
+
+    def bundle(
+        self,
+        obj: Body,
+        directions: ArrayLike,
+        reach: float,
+        origins: ArrayLike | None = None,
+        *,
+        upright: bool = False,
+    ) -> RayBundle:
+        """Create the rays of a sensor.
+
+        Args:
+            obj: the object of the sensor.
+            directions: (N, 3) vectors in its frame, of nonzero length.
+            reach: largest distance, m; may be infinite.
+            origins: (N, 3) m in its frame; None if all rays start at its origin.
+            upright: directions and origins are given along the axes of the world, independent of the orientation of the
+                sensor.
+
+        Raises:
+            ValueError: an array has the wrong shape or contains a value that is not finite, or the reach is not
+                positive.
+        """
+
+
+class PoseTable(Protocol):
+    """Rows of numbers, one for each rigid group, which are replaced and not changed."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int, /) -> Sequence[float]: ...
+
+    def share(self) -> NDArray[np.float64]:
+        """Return all present rows (K, D); the array does not change afterwards."""
+
+
+class Snapshot(Protocol):
+    """The poses of some objects at one moment.
+
+    Attributes:
+        slots: the rigid groups of the objects.
+    """
+
+    slots: Sequence[int]
+
+    def pose(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
+        """Return the position (3) and rotation (9, row by row) of an object in the world."""
+
+    def positions(self) -> NDArray[np.float64]:
+        """Return the positions (N, 3) in the world, m."""
+
+    def rotations(self) -> NDArray[np.float64]:
+        """Return the rotations (N, 9) in the world, row by row."""
+
+    @classmethod
+    def poses_at(cls, moments: Sequence[Self]) -> tuple[Sequence[NDArray[np.float64]], Sequence[NDArray[np.float64]]]:
+        """Return the poses (R, N) of the objects at several moments: 3 coordinates, 9 numbers of the rotations."""
+
+
+class Fleet(Protocol):
+    """Robots that one call drives."""
+
+    def adopt(self, row: int) -> bool:
+        """Make the present command of a robot last; return False if it has no command that can last."""
+
+    def drive(self) -> None:
+        """Drive all robots during the next tick."""
+
+
+class Snapshots(Protocol):
+    """Takes snapshots of the same objects repeatedly, at little cost."""
+
+    def place(self, row: int) -> tuple[int, Mounting]:
+        """Return the group of an object, and its pose in the group."""
+
+    def now(self) -> Snapshot:
+        """Return a snapshot of the present poses."""
+
+    def before(self) -> Snapshot:
+        """Return a snapshot of the poses at the beginning of the last tick of `World.step_freely`."""

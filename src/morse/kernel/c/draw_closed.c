@@ -1,4 +1,4 @@
-// Finds the closed parts of a mesh; the twin of morse/kernel/drawing/reference_closed.py.
+// Finds the closed parts of a mesh; the twin of tests/kernel/twins/closed.py.
 #include <math.h>
 #include <stdint.h>
 #include <string.h>

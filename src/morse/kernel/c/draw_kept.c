@@ -2,7 +2,7 @@
 //
 // A tile depends on the triangles that may be visible in it, and on the texels of the shadow maps that are read for it.
 // It is drawn again if it may show a part that has moved, before or now, or if one of these texels has changed. All
-// else that an image depends on is the same: see `NativeKept` in morse/kernel/drawing/native_kept.py.
+// else that an image depends on is the same: see `NativeKept` in morse/kernel/drawing/native.py.
 #include "draw_kept.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-// Simplifies a mesh within a bound of its error; the twin of morse/kernel/drawing/reference_simplify.py.
+// Simplifies a mesh within a bound of its error; the twin of tests/kernel/twins/simplify.py.
 //
 // Vertices are moved onto neighbours, which removes two triangles each time. Before and after, the triangles around a
 // vertex cover the same polygon, seen along their mean normal: the largest distance between them is at a vertex, or

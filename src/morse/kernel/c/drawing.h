@@ -81,7 +81,7 @@ typedef struct {
 // The shadow maps.
 enum { SUN_MAP, NEAR_MAP, LAMP_MAP, MAPS };
 
-// What is kept of the last image of a camera; `_Kept` in morse/kernel/drawing/native_kept.py.
+// What is kept of the last image of a camera; `_Kept` in morse/kernel/drawing/native.py.
 typedef struct {
     uint8_t (*rgba)[4];
     float *depth;

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short, shown
+from morse.core.reports.quoting import nearest, short, shown
 from morse.middleware.foxglove import frames, graph
 from morse.middleware.foxglove.assets import Assets
 from morse.middleware.foxglove.parameters import GET, SET

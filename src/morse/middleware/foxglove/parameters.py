@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations.property_table import PropertyTable
+from morse.core.declarations.fields import PropertyTable
 from morse.core.exceptions import MorseError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.middleware.web.requests import encoded
 
 if TYPE_CHECKING:

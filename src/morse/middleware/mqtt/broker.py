@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
 
-    from morse.core.clients.arrivals import Arrivals
+    from morse.core.clients.budgets import Arrivals
     from morse.core.values import Options
 
 

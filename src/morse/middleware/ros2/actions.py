@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.clients.budget import ENTRY, Budget
+from morse.core.clients.budgets import ENTRY, Budget
 from morse.core.status import PREEMPTED, SUCCESS
 from morse.rosmsgs.table import Qos
 from morse.rosmsgs.trajectories import TrajectoryGoals

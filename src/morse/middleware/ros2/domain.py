@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.validation.options import checked_options, with_defaults
+from morse.core.validation.fields import checked_options, with_defaults
 from morse.middleware.ros2 import BACKENDS, LAST_DOMAIN, MANAGER_OPTIONS, MIDDLEWARE
 from morse.system.extras import install
 

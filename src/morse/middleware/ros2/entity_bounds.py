@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.rosmsgs.parts import from_xyz, xyz
-from morse.scene.shape_boxes import box_around
+from morse.scene.extent import box_around
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,11 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status
-from morse.core.declarations.property_table import PropertyTable
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import shown
+from morse.core.declarations.fields import PropertyTable
+from morse.core.reports.quoting import nearest, shown
 from morse.core.validation import checked_property
-from morse.core.validation.errors import PropertyError
+from morse.core.validation.spec import PropertyError
 from morse.middleware.ros2 import NODE
 from morse.middleware.ros2.domain import Served
 from morse.rosmsgs.parts import as_json, from_json

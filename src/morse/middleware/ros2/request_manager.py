@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.core.calls.answered_requests import AnsweredRequests
-from morse.core.clients.time_share import TimeShare
+from morse.core.calls import AnsweredRequests
+from morse.core.clients.budgets import TimeShare
 from morse.core.exceptions import MorseError
 from morse.core.status import FAILED, SUCCESS
 from morse.middleware.ros2 import INSTALL_ROS, simulation_steps

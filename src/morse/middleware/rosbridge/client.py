@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.core.status import PREEMPTED
 from morse.middleware.rosbridge import rosapi
 from morse.middleware.rosbridge.forms import COMPRESSIONS

@@ -17,8 +17,7 @@ import msgspec
 import numpy as np
 from PIL import Image
 
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short, shown
+from morse.core.reports.quoting import nearest, short, shown
 from morse.core.streams.extent import listed
 from morse.rosmsgs import cdr
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of

@@ -13,8 +13,7 @@ from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError, MorseRPCInvokationError
 from morse.core.mapping import maps
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.core.services import service
 from morse.core.streams.kind_stream import KindStream
 from morse.middleware.socket import LAST_PORT, MANAGER_OPTIONS

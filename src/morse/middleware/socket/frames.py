@@ -28,8 +28,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.core.streams.local_data import Later
 from morse.wire.encoding import plain
 from morse.wire.lines import MAX_LINE, LineClient, beginning

@@ -10,8 +10,8 @@ import stat
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
+from morse.core.clients.budgets import TimeShare
 from morse.core.clients.complaints import Complaints
-from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import SUCCESS

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.clients.budget import ENTRY, Budget
+from morse.core.clients.budgets import ENTRY, Budget
 from morse.core.clients.web_connection import sender_of
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.server import ServerConnection
 
-    from morse.core.clients.arrivals import Sender
+    from morse.core.clients.budgets import Sender
 
 #: processor time of a part of a message, s
 _PART = 1e-4

@@ -13,14 +13,12 @@ from urllib.parse import quote
 
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.clients.acceptors.streams import StreamAcceptor
+from morse.core.clients.acceptors import StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.web_access import Access
-from morse.core.clients.web_connection import sender_of
-from morse.core.clients.web_connections import NO_PLACE, place_of
-from morse.core.clients.web_ports import serve_on
+from morse.core.clients.web_connection import NO_PLACE, place_of, sender_of, serve_on
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.validation.options import checked_options, with_defaults
+from morse.core.validation.fields import checked_options, with_defaults
 from morse.middleware.web.client import WebClient
 from morse.rosmsgs.topics.manager import TopicManager
 from morse.system import OF_MACHINE

@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import msgspec
 
 from morse.core import status
-from morse.core.clients.budget import OverBudget
+from morse.core.clients.budgets import OverBudget, TimeShare
 from morse.core.clients.complaints import Complaints
-from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError, MorseMethodNotFoundError, MorseRPCNbArgsError
-from morse.core.reports.hints import nearest
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.services import signature_of
 from morse.middleware.socket.turns import Turns

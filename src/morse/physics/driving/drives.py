@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.driving.turns import arc, turn_by
+from morse.kernel.driving import arc, turn_by
 from morse.physics.driving.calibration import FLOOR, Slowdown
 from morse.physics.driving.command import Command, midway
 from morse.physics.driving.supports import supports
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.values import StateData
-    from morse.kernel.driving.arrays import GliderWork
+    from morse.kernel.driving import GliderWork
     from morse.physics.bodies import Bodies
     from morse.physics.driving.fleet import Fleet
     from morse.physics.gliding.gliding import Gliding

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.driving import gliders
-from morse.kernel.driving.arrays import GliderArrays
+from morse.kernel.driving import GliderArrays, gliders
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.driving.arrays import GliderWork
+    from morse.kernel.driving import GliderWork
     from morse.physics.driving.command import Command
     from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding

@@ -22,13 +22,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.driving import chassis
-from morse.kernel.driving.arrays import ChassisArrays
+from morse.kernel.driving import ChassisArrays, chassis
 from morse.physics.driving.calibration import SKIDDING
 from morse.physics.poses.kinematics import contact_pairs
 
 if TYPE_CHECKING:
-    from morse.kernel.driving.arrays import Floats
+    from morse.kernel.driving import Floats
     from morse.physics.driving.drives import Drives
     from morse.physics.state.engine_state import EngineState
 

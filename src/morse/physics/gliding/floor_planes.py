@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.driving import planes
-from morse.kernel.driving.arrays import PlaneArrays
+from morse.kernel.driving import PlaneArrays, planes
 from morse.physics.model.collision_bits import ALL_BITS, FIRST_PLANE, MOST_PLANES
 from morse.physics.model.layout import Motion
 

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from morse.kernel.driving.course import Course
+from morse.kernel.driving import Course
 from morse.physics.poses.kinematics import refresh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from morse.kernel.driving.arrays import GliderWork
+    from morse.kernel.driving import GliderWork
     from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.gliding.passage import Passage

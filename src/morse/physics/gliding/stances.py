@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.kernel.driving.arrays import StanceArrays
+from morse.kernel.driving import StanceArrays
 from morse.physics.gliding.glide import FIRST_WAIT, LONGEST_WAIT
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from morse.physics.model.motors import Motor
 from morse.physics.model.restitution import stiff
 from morse.physics.poses.poses import as_array, relative_pose
 from morse.scene import Articulation, JointDynamics, JointKind, controls_of
-from morse.scene.bone_frames import BonePose, start_frames, start_value
+from morse.scene.articulation import BonePose, start_frames, start_value
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:

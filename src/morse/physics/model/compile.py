@@ -31,7 +31,7 @@ from morse.physics.model.unusable_hulls import replace_unusable_hulls
 from morse.physics.model.wheel_shapes import wheel_axis, wheel_size
 from morse.physics.poses.poses import as_array, relative_pose
 from morse.scene import PhysicsType, ShapeKind
-from morse.scene.corners import corners
+from morse.scene.extent import corners
 from morse.scene.frames import RigidFrame, rigid_frame
 from morse.scene.mjcf import DEFAULT_CONTACT
 

@@ -12,7 +12,7 @@ from morse.mathutils.portable import matmul
 from morse.physics.model.restitution import stiff
 from morse.physics.poses.poses import relative_pose
 from morse.scene import is_dynamic
-from morse.scene.couplings import ConstraintKind
+from morse.scene.articulation import ConstraintKind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from morse.physics.model.layout import Frame
     from morse.physics.model.slot import Slot
     from morse.scene import Node
-    from morse.scene.couplings import Constraint
+    from morse.scene.articulation import Constraint
 
 _EQUALITIES = {
     ConstraintKind.CONNECT: mujoco.mjtEq.mjEQ_CONNECT,

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.linkage import linkage
-from morse.kernel.linkage.arrays import FIXED, PRISMATIC, REVOLUTE, LinkageArrays
+from morse.kernel.linkage import FIXED, PRISMATIC, REVOLUTE, LinkageArrays, linkage
 from morse.physics.model.layout import Motion
 from morse.physics.objects.led_object import LedObject
 from morse.physics.objects.mounting import Mounting

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from morse.mathutils.rotation_rows import stacked
 from morse.mathutils.rotations import product, turn
-from morse.mathutils.stacking import stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

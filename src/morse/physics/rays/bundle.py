@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from morse.kernel.rays.arrays import Hits
+from morse.kernel.rays import Hits
 from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:

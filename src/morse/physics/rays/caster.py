@@ -6,9 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.rays import Fan, Poses, SolidArrays, ray_caster
-from morse.kernel.rays.arrays import BOX, CAPSULE, CYLINDER, ELLIPSOID
-from morse.kernel.rays.native import NativeRays
+from morse.kernel.rays import BOX, CAPSULE, CYLINDER, ELLIPSOID, Fan, NativeRays, Poses, SolidArrays, ray_caster
 from morse.mathutils.portable import matmul, norm
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.kernel import rays as kinds
 from morse.kernel.rays import TriangleMesh
-from morse.kernel.rays import arrays as kinds
 from morse.mathutils.portable import matmul
 from morse.physics.model.inertia import half_sizes
 from morse.physics.model.layout import Motion

@@ -121,7 +121,7 @@ class SavedGliding(_Part):
 
 
 class SavedLamp(_Part):
-    """What may change of a lamp; see `morse.scene.appearance.Light`."""
+    """What may change of a lamp; see `morse.scene.mesh.Light`."""
 
     color: Vector3
     energy: float
@@ -130,7 +130,7 @@ class SavedLamp(_Part):
 
 
 class SavedTexture(_Part):
-    """A texture; see `morse.scene.appearance.Image`."""
+    """A texture; see `morse.scene.mesh.Image`."""
 
     name: str
     mime: Literal["image/png", "image/jpeg"]

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from morse.core.clients.budgets import TimeShare
 from morse.core.clients.complaints import Complaints
-from morse.core.clients.time_share import TimeShare
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds.binding import fields_of

@@ -14,7 +14,7 @@ from pymoos2.core import constants
 from pymoos2.core.MOOSCommPkt import pack, unpack
 from pymoos2.core.MOOSMsg import MOOSMsg
 
-from morse.core.clients.budget import CLIENT_BYTES
+from morse.core.clients.budgets import CLIENT_BYTES
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.system.extras import install

@@ -14,10 +14,10 @@ from morse.core.clients.complaints import Complaints
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMultinodeError
 from morse.core.journal import SERVICE
-from morse.core.node_name import node_name
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.plugins.multinode import MANAGER_OPTIONS
 from morse.plugins.multinode.messages import MAX_LINE, read_answer, read_pose, written_state
+from morse.system.variables import node_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -8,8 +8,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.clients.complaints import Complaints
-from morse.core.clients.waiting import Waiting
+from morse.core.clients.complaints import Complaints, Waiting
 from morse.core.status import FAILED, PREEMPTED, SUCCESS
 from morse.plugins.ros.node import message, message_class, plain
 from morse.rosmsgs.parts import time

@@ -13,8 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from morse.core.clients.complaints import Complaints
-from morse.core.clients.waiting import Waiting
+from morse.core.clients.complaints import Complaints, Waiting
 from morse.core.exceptions import MorseMiddlewareError
 from morse.plugins.ros.mapping import MEND
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import MutableMapping
     from types import ModuleType
 
-    from morse.core.clients.arrivals import Arrivals
+    from morse.core.clients.budgets import Arrivals
     from morse.core.values import RosMessage, Value
     from morse.rosmsgs.table import Qos
     from morse.rosmsgs.topics.backend import RosClass

@@ -7,9 +7,9 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.core.calls.answered_requests import AnsweredRequests
+from morse.core.calls import AnsweredRequests
+from morse.core.clients.budgets import TimeShare
 from morse.core.clients.complaints import Complaints
-from morse.core.clients.time_share import TimeShare
 from morse.core.status import FAILED, SUCCESS
 from morse.plugins.ros.actions import ActionServer, TrajectoryActionServer
 from morse.plugins.ros.node import join, message, message_class

@@ -9,8 +9,7 @@ import re
 from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from morse.core.clients.acceptors import DESCRIPTORS
-from morse.core.clients.acceptors.streams import AcceptedProtocol, StreamAcceptor
+from morse.core.clients.acceptors import DESCRIPTORS, AcceptedProtocol, StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.reports.quoting import shown
 from morse.plugins.yarp import wire
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
 
-    from morse.core.clients.arrivals import Arrivals, Sender
+    from morse.core.clients.budgets import Arrivals, Sender
     from morse.plugins.yarp.wire import Address, NameServer
 
 

@@ -11,11 +11,11 @@ from collections import deque
 from typing import TYPE_CHECKING, Generic, TypeVar
 from weakref import WeakKeyDictionary
 
-from morse.core.clients.budget import ENTRY, PARSED, Budget
+from morse.core.clients.budgets import ENTRY, PARSED, Budget
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
-from morse.core.validation.options import checked_options, with_defaults
+from morse.core.validation.fields import checked_options, with_defaults
 from morse.plugins.yarp import JSON_STREAM_MANAGER, MANAGER_OPTIONS, STREAM_MANAGER
 from morse.plugins.yarp.port import Port
 from morse.plugins.yarp.wire import Address, NameServer, is_alive

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from morse.core.calls.answered_requests import AnsweredRequests
-from morse.core.clients.time_share import TimeShare
+from morse.core.calls import AnsweredRequests
+from morse.core.clients.budgets import TimeShare
 from morse.core.reports.quoting import shown
 from morse.core.status import FAILED
 from morse.plugins.yarp.bottle import encode

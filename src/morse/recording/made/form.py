@@ -9,7 +9,7 @@ from morse.mathutils.rotations import Rotation9
 from morse.scene import Articulation, BodySettings, Bone, Camera, Inertial, Light, NodeKind, ShapeKind
 from morse.scene.articulation import JointDynamics
 from morse.scene.realism import RealismModel
-from morse.scene.settings import Settings
+from morse.scene.scene import Settings
 
 Triple = tuple[float, float, float]
 Sixteen = tuple[

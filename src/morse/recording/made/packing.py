@@ -15,7 +15,7 @@ from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
 from morse.core.rows.lazy_data import known_data
 from morse.recording.made import form
-from morse.scene.settings import Settings
+from morse.scene.scene import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

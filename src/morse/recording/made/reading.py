@@ -22,8 +22,8 @@ from morse.core.modifier import AbstractModifier
 from morse.core.object import Object
 from morse.core.reports.quoting import quoted
 from morse.core.sensor import Sensor
-from morse.core.validation.errors import PropertyError
-from morse.core.validation.properties import checked_value
+from morse.core.validation.fields import checked_value
+from morse.core.validation.spec import PropertyError
 from morse.mathutils import Matrix
 from morse.recording.errors import RecordingError
 from morse.recording.made import form

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from morse.core.actuator import Actuator
-from morse.core.colors.image_colors import is_picture
+from morse.core.actuator import Actuator, PendingCommands
+from morse.core.image_colors import is_picture
 from morse.core.realism import copied
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
-from morse.core.streams.pending_commands import PendingCommands
-from morse.core.validation.errors import CommandError
+from morse.core.validation.spec import CommandError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -277,7 +276,7 @@ class ComponentHandle:
     def _repr_png_(self) -> bytes | None:
         """Return the present image of a camera as a PNG file, which notebooks display; None for other components."""
         # imported on demand, because only notebooks need it
-        from morse.core.colors.image_colors import png_of
+        from morse.core.image_colors import png_of
 
         try:
             return png_of(self.component)

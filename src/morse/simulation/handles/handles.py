@@ -322,13 +322,13 @@ class Handles(WorldChanges):
 
 
 def _no_robot(name: str, names: list[str]) -> str:
-    from morse.core.reports.hints import nearest
+    from morse.core.reports.quoting import nearest
 
     return f"no robot '{name}' in the simulation{nearest(name, names)}"
 
 
 def _no_attribute(name: str, robots: list[str], members: list[str]) -> str:
-    from morse.core.reports.hints import closest, nearest
+    from morse.core.reports.quoting import closest, nearest
 
     near = closest(name, [*robots, *(member for member in members if not member.startswith("_"))])
     hint = nearest(name, [near] if near else robots)

@@ -10,9 +10,9 @@ from morse.assets.search import worlds_with
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.journal import SERVICE
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.mathutils import Euler
-from morse.services import looks
+from morse.services import supervision_services as looks
 from morse.simulation.handles.contacts import Contacts
 
 if TYPE_CHECKING:

@@ -21,9 +21,9 @@ from morse.core import status
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.journal import OUTCOME, RESET, RESTORE
 from morse.core.observer import SHOWN, Observer
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 from morse.core.state import StateError
-from morse.kernel import processor
+from morse.kernel import threads
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.inputs import TYPE as INPUTS_TYPE
@@ -133,7 +133,7 @@ def write_inputs(
 def machine_facts() -> dict[str, str]:
     """Return what decides the last bit of numbers, by name: kind of processor, and versions of packages."""
     versions = {name: _version(name) for name in ("mujoco-core", "numpy")}
-    return {"processor": processor.kind(), "python": platform.python_version(), **versions}
+    return {"processor": threads.kind(), "python": platform.python_version(), **versions}
 
 
 def _beginning(simulation: Simulation, sensors: Sequence[str] | None) -> Beginning:

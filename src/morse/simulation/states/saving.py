@@ -13,7 +13,7 @@ from weakref import WeakKeyDictionary
 
 import msgspec
 
-from morse.core.actuator import Actuator
+from morse.core.actuator import Actuator, PendingCommands
 from morse.core.context import Controls, acting
 from morse.core.datastream import DatastreamManager
 from morse.core.modifier import AbstractModifier
@@ -21,10 +21,9 @@ from morse.core.object import Object
 from morse.core.overlay import MorseOverlay
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.state import NoReferences, Reader, StateError, Writer
-from morse.core.state.kinds import is_of_morse
-from morse.core.streams.pending_commands import PendingCommands
+from morse.core.state.attributes import is_of_morse
 from morse.core.validation.commands import Commands
-from morse.core.validation.errors import CommandError
+from morse.core.validation.spec import CommandError
 from morse.physics import GameObject
 from morse.simulation.states.state import State
 

@@ -16,12 +16,11 @@ from morse.core.exceptions import MorseError
 from morse.core.mapping import maps
 from morse.core.object import Object
 from morse.core.reports.faults import describe
-from morse.core.sensor import Sensor
+from morse.core.sensor import Sensor, misfits
 from morse.core.services import declared_services, signature_of
 from morse.core.state import StateError
 from morse.core.units import unit
-from morse.core.validation.errors import CommandError
-from morse.core.validation.published import misfits
+from morse.core.validation.spec import CommandError
 from morse.middleware import registry
 from morse.scene import StreamDeclaration
 from morse.verification.contract.contract_world import BAD_VALUES, ContractWorld, LogCapture, set_up

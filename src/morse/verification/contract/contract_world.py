@@ -14,11 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError
-from morse.core.actuator import Actuator
+from morse.core.actuator import Actuator, PendingCommands
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.declarations import fields_of_component
 from morse.core.reports.faults import describe
-from morse.core.streams.pending_commands import PendingCommands
 from morse.launch.load import described, start
 from morse.simulation.loader import LoadError
 from morse.simulation.options import RunOptions

@@ -10,7 +10,7 @@ import morse.builder
 from morse.builder import actuators, robots, sensors
 from morse.builder.names import catalog, sources
 from morse.core.reports.faults import describe, user_frames
-from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import nearest
 
 if TYPE_CHECKING:
     import os

@@ -14,9 +14,8 @@ import morse
 from morse.builder.editing.changes import Changes, UnwritableError
 from morse.builder.editing.writing import changed_script
 from morse.system.free_names import free_path
-from morse.system.python_text import quoted
 from morse.system.regular_files import read_regular
-from morse.system.source_text import encoded_source, source_text
+from morse.system.source_text import encoded_source, quoted, source_text
 
 _PACKAGE = Path(morse.__file__).parent.resolve()
 #: of a change by somebody else: lines and columns that an error shows

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from morse.actuators.sound import Sound
-from morse.core.colors.image_colors import as_pixels, depth_levels, is_picture, is_temperature, unit_of
 from morse.core.declarations import fields_of_component
+from morse.core.image_colors import as_pixels, depth_levels, is_picture, is_temperature, unit_of
 from morse.core.reports.quoting import shown
 from morse.core.sensor import Sensor
 from morse.physics.rays import RayBundle
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.sensor import WatchedSpace
     from morse.core.values import Fields, JsonObject
-    from morse.core.watched_space import WatchedSpace
     from morse.rendering.lens import Lens
     from morse.viewer.server import ViewServer
 

@@ -1,1 +1,0 @@
-"""Calls of services that take time: their progress, and their answers."""

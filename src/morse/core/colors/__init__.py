@@ -1,1 +1,0 @@
-"""Colours for data that are no colours: ids, depths, directions."""

@@ -1,1 +1,0 @@
-"""Moving parts of robots."""

@@ -1,7 +1,0 @@
-"""Errors of saved states."""
-
-from morse.core.exceptions import MorseError
-
-
-class StateError(MorseError):
-    """A saved state is damaged, or belongs to another scene."""
