@@ -95,3 +95,13 @@ def test_check_names_a_file_that_is_missing(morse, folder) -> None:
     answer = morse("check", str(folder / "gone.urdf"), "--picture", "gone.png")
     assert answer.status == 1
     assert f"There is no file {folder / 'gone.urdf'}" in answer.err.replace("\n", "")
+
+
+def test_check_says_what_a_robot_without_masses_weighs(morse, folder) -> None:
+    shape = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+    (folder / "cubes.urdf").write_text(
+        f'<robot name="cubes"><link name="a">{shape}</link><link name="b">{shape}</link><joint name="j" '
+        'type="continuous"><parent link="a"/><child link="b"/><origin xyz="0 0 2"/></joint></robot>'
+    )
+    answer = morse("check", str(folder / "cubes.urdf"), "--picture", str(folder / "cubes.png"))
+    assert "1 kg, because the file has no masses" in " ".join(answer.out.split())

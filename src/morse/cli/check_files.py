@@ -149,8 +149,11 @@ def _rows(library: Library) -> Iterator[tuple[str, str]]:
     bones = [bone for node in nodes for bone in node.bones]
     links = [node for node in nodes if node.inertial is not None]
     yield "objects", ", ".join(f"{root.name} ({_kind(root)})" for root in library.roots[:20]) + _more(library.roots, 20)
+    mass = sum(node.inertial.mass for node in links if node.inertial is not None)
     if links:
-        yield "links", f"{len(links)}, together {sum(n.inertial.mass for n in links if n.inertial is not None):g} kg"
+        yield "links", f"{len(links)}, together {mass:g} kg"
+    if not mass and bones and (root := next((root for root in library.roots if root.body.moves), None)):
+        yield "mass", f"{root.body.mass:g} kg, because the file has no masses: robot.set_mass(kg) sets another one"
     if bones:
         yield "joints", f"{len(bones)}: {_counted(map(_kind_of_joint, bones))}"
     meshes = [node for node in nodes if node.mesh is not None]

@@ -97,6 +97,27 @@ def test_it_moves_as_in_plain_mujoco(tmp_path: Path, name: str) -> None:
         assert result.errors[2.0] < 1e-4
 
 
+#: in grams and centimetres
+FLY = """<mujoco model="fly"><option gravity="0 0 -981" timestep="0.0005"/><worldbody>
+<geom type="plane" size="1 1 1"/><body name="thorax" pos="0 0 0.3"><freejoint/>
+<geom type="ellipsoid" size="0.1 0.05 0.05" mass="3e-4"/><body name="leg" pos="0.05 0 0">
+<joint name="coxa" axis="0 1 0" damping="1e-6"/><geom type="capsule" fromto="0 0 0 0 0 -0.1" size="0.005" mass="1e-6"/>
+<body name="tarsus" pos="0 0 -0.1"><joint name="tarsus" axis="0 1 0" damping="1e-7"/>
+<geom type="capsule" fromto="0 0 0 0.02 0 -0.02" size="0.002" mass="1e-8"/></body></body></body></worldbody></mujoco>"""
+REST = """<mujoco model="rest"><worldbody><geom type="plane" size="5 5 1"/>
+<body name="base" pos="1 0 1"><geom size="0.1"/><body name="rod"><joint name="j" axis="0 1 0" damping="0.1"/>
+<geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02" mass="0.3"/></body></body>
+<body name="crate" pos="0 0 0.052"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="1"/></body>
+</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("text", [FLY, REST])
+def test_insects_keep_their_masses_and_crates_creep_as_in_plain_mujoco(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(text)
+    assert compare(path, tmp_path).errors[2.0] < 1e-9
+
+
 def test_it_starts_in_a_keyframe(tmp_path: Path) -> None:
     path = tmp_path / "dog.xml"
     path.write_text(DOG % ("", KEYS))

@@ -106,6 +106,7 @@ def check_sizes(model: ModelData, path: Path) -> None:
             )
 
 
+#: mass of what has none, kg
 _LIGHTEST = 1e-3
 #: of the engine, s: a tick has 167 of them; robots with fine contacts have steps of 0.5 to 2 ms
 _SHORTEST_STEP = 1e-4
@@ -205,7 +206,7 @@ class _Reader:
         body = BodySettings(
             type=PhysicsType.STATIC if base is None else PhysicsType.RIGID_BODY,
             compound=True,
-            mass=max(mass, _LIGHTEST),
+            mass=mass or _LIGHTEST,
             linear_damping=0.0,
             angular_damping=0.0,
         )

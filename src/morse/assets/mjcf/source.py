@@ -250,7 +250,8 @@ class Source:
             # the links of the file and its visible shapes are kept separate
             compiler.attrib.update(fusestatic="false", discardvisual="false", balanceinertia="true")
             for name in ("boundmass", "boundinertia"):
-                compiler.attrib.setdefault(name, "1e-9")
+                # what the engine accepts: also insects in grams and centimetres keep their inertia
+                compiler.attrib.setdefault(name, "1e-14")
 
     # -- meshes ----------------------------------------------------------------------------
 

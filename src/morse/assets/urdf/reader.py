@@ -47,7 +47,6 @@ _BOUNDS = {
     "mesh": Bounds.CONVEX_HULL,
 }
 _GREY = (0.7, 0.7, 0.7, 1.0)
-_LIGHTEST = 1e-3
 
 
 def read_urdf(path: str | Path) -> Library:
@@ -83,7 +82,7 @@ class _Reader:
         body = BodySettings(
             type=PhysicsType.STATIC if self._is_fixed(mass) else PhysicsType.RIGID_BODY,
             compound=True,
-            mass=max(mass, _LIGHTEST) if mass else 1.0,
+            mass=mass or 1.0,
         )
         root = Node(document.name, body=body, source_name=document.name)
         armature = Node(f"{document.name}_joints", NodeKind.ARMATURE, source_name=f"{document.name}_joints")

@@ -58,7 +58,8 @@ def set_options(spec: mujoco.MjSpec, part: Part) -> None:
     for name, value in part.option.items():
         if name not in _OF_SCENE:
             setattr(option, name, min(value, _MOST_ITERATIONS) if "iterations" in name else value)
-    option.enableflags |= int(part.option["enableflags"])
+    # what sleeps does not creep: in such a scene, bodies sleep only if the file says so
+    option.enableflags = int(part.option["enableflags"])
     if option.gravity[2] == -_USUAL_GRAVITY:
         option.gravity = part.option["gravity"]
     if option.integrator == mujoco.mjtIntegrator.mjINT_RK4:
