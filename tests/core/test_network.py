@@ -7,6 +7,7 @@ import contextlib
 import socket
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,7 +17,13 @@ from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+
+def in_a_thread(function: Callable[[], object]) -> None:
+    """Call a function in a thread without a running loop; that of the tests may have the one of a browser."""
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(function).result(timeout=120)
 
 
 @pytest.fixture
@@ -54,16 +61,19 @@ def test_who_waits_serves_the_network(network: Network) -> None:
         threads.append(threading.get_ident())
         network.wake()
 
-    network.post(note)
-    network.wait(10.0)
-    network.post(note)
-    assert len(threads) < 2  # the next wait starts it
-    network.wait(10.0)
-    assert threads[-1] == threading.get_ident()
-    network.give_back()
-    network.post(note)
-    wait_until(lambda: len(threads) == 3)
-    assert threads[-1] != threading.get_ident()
+    def serve() -> None:
+        network.post(note)
+        network.wait(10.0)
+        network.post(note)
+        assert len(threads) < 2  # the next wait starts it
+        network.wait(10.0)
+        assert threads[-1] == threading.get_ident()
+        network.give_back()
+        network.post(note)
+        wait_until(lambda: len(threads) == 3)
+        assert threads[-1] != threading.get_ident()
+
+    in_a_thread(serve)
 
 
 def test_who_waits_may_be_in_a_loop_of_its_own_as_notebooks_are(network: Network) -> None:
@@ -75,21 +85,42 @@ def test_who_waits_may_be_in_a_loop_of_its_own_as_notebooks_are(network: Network
             network.wake()
 
         own = asyncio.get_running_loop()
-        network.post(note)
-        network.wait(10.0)
-        network.post(note)
-        network.wait(10.0)
-        network.give_back()
+        for _ in range(100):
+            network.post(note)
+            network.wait(600.0)  # until it is woken up
         return threads, asyncio.get_running_loop() is own
 
     ended: list[tuple[list[int], bool]] = []
-    # a thread that has no loop yet
-    thread = threading.Thread(target=lambda: ended.append(asyncio.run(cell())))
-    thread.start()
-    thread.join()
+    in_a_thread(lambda: ended.append(asyncio.run(cell())))
     threads, restored = ended[0]
-    assert threads[-1] == thread.ident
+    # no loop runs within another one: the network thread serves
+    assert len(threads) == 100
+    assert set(threads) == {network_thread(network)}
     assert restored
+
+
+def network_thread(network: Network) -> int:
+    """The thread that serves the network while nobody waits."""
+
+    async def ident() -> int:
+        return threading.get_ident()
+
+    return network.call(ident())
+
+
+def test_who_has_borrowed_the_loop_may_then_wait_in_a_loop_of_its_own(network: Network) -> None:
+    async def cell() -> None:
+        network.post(network.wake)
+        network.wait(600.0)
+
+    def serve() -> None:
+        network.post(network.wake)
+        network.wait(600.0)
+        asyncio.run(cell())
+
+    in_a_thread(serve)
+    assert network.is_awaited
+    wait_until(lambda: network.tend() or not network.is_awaited)
 
 
 def test_waiting_ends_after_its_time(network: Network) -> None:
@@ -115,7 +146,7 @@ def test_a_wake_before_the_wait_is_not_lost(network: Network) -> None:
     assert time.monotonic() - begin < 60.0
 
 
-def test_calls_go_on_when_the_loop_is_borrowed(network: Network) -> None:
+def test_calls_go_on_when_the_loop_is_awaited(network: Network) -> None:
     network.wait(0.001)
     assert network.call(asyncio.sleep(0, "done")) == "done"
     network.wait(0.001)
@@ -140,7 +171,7 @@ def test_a_loop_that_nobody_serves_goes_back_to_its_thread(network: Network) -> 
     wait_until(lambda: not network.tend() and seen)
 
 
-def test_it_ends_while_its_loop_is_borrowed() -> None:
+def test_it_ends_while_its_loop_is_awaited() -> None:
     network = Network()
     network.wait(0.0)
     network.stop()

@@ -72,6 +72,14 @@ class _Loop(asyncio.SelectorEventLoop):
         return server
 
 
+def _has_running_loop() -> bool:
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
+
+
 class Network:
     """An asyncio loop in a daemon thread.
 
@@ -91,9 +99,10 @@ class Network:
         self._selector = _WatchfulSelector()
         self._loop = _Loop(self._selector)
         self._thread = threading.Thread(target=self._serve, name="morse-network", daemon=True)
-        self._is_parked, self._go_on = threading.Event(), threading.Event()
+        self._is_parked, self._go_on, self._awakened = threading.Event(), threading.Event(), threading.Event()
         self._asked_for = self._ending = self._woken = False
         self._borrower: int | None = None
+        self._waits_beside = False
         self._last_service = 0.0
         self._first: dict[int, Callable[[], object]] = {}
         self._unread: list[Callable[[], object]] = []
@@ -124,9 +133,9 @@ class Network:
         return self._loop
 
     @property
-    def is_borrowed(self) -> bool:
-        """Whether the simulation runs the loop, because it waits for its clients."""
-        return self._borrower is not None
+    def is_awaited(self) -> bool:
+        """Whether the simulation waits for its clients between its ticks."""
+        return self._borrower is not None or self._waits_beside
 
     def post(self, function: Callable[..., object], *args: object) -> None:
         """Schedule ``function(*args)`` in the thread that runs the loop; after `stop` the call is ignored.
@@ -197,7 +206,13 @@ class Network:
         """Run the event loop in this thread until `wake` is called, at most for about ``seconds``.
 
         Functions that were posted before are called first. Between two calls of `wait` nothing is received or sent.
+
+        A notebook cell or a coroutine waits inside the running loop of its thread: the network thread then serves
+        the clients, which takes two switches of threads for each tick.
         """
+        if _has_running_loop():
+            self._wait_beside(seconds)
+            return
         self._borrow()
         if self._calls:
             self._do_posted()
@@ -209,7 +224,7 @@ class Network:
         begin = perf_counter()
         if self._watchful:
             self._selector.until = begin + _WATCH
-        self._run()
+        self._loop.run_forever()
         if self._unread:
             functions, self._unread = self._unread, []
             self._after_reading(functions)
@@ -217,19 +232,14 @@ class Network:
         self._last_service = perf_counter()
         self._watchful = self._last_service - begin < _WATCH
 
-    def _run(self) -> None:
-        # A notebook cell or a coroutine waits inside the running loop of its thread, which is suspended meanwhile.
-        # asyncio has no public function to suspend it; these two are in `asyncio.events.__all__`, for authors of loops.
-        # The network thread would have to serve the clients instead: two switches of threads for each tick.
-        outer = asyncio._get_running_loop()
-        if outer is None:
-            self._loop.run_forever()
-            return
-        asyncio._set_running_loop(None)
-        try:
-            self._loop.run_forever()
-        finally:
-            asyncio._set_running_loop(outer)
+    def _wait_beside(self, seconds: float) -> None:
+        """Wait while the network thread serves the clients: in a thread with a loop, no other loop can run."""
+        self.give_back()
+        if not self._woken:
+            self._awakened.wait(seconds)
+        self._awakened.clear()
+        self._woken = False
+        self._waits_beside, self._last_service = True, perf_counter()
 
     def _do_posted(self) -> None:
         # called here, because the loop would need another iteration
@@ -248,10 +258,13 @@ class Network:
                 self._loop.stop()
         elif self._borrower is not None:
             self._loop.call_soon_threadsafe(self._loop.stop)
+        else:
+            self._awakened.set()
 
     def tend(self) -> None:
         """Return a borrowed loop if it has not been run for some time; to be called between ticks."""
-        if self._borrower is not None and perf_counter() - self._last_service > _UNSERVED:
+        if self.is_awaited and perf_counter() - self._last_service > _UNSERVED:
+            self._waits_beside = False
             self.give_back()
 
     def give_back(self) -> None:

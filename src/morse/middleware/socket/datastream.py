@@ -404,7 +404,7 @@ class SocketDatastreamManager(DatastreamManager):
 
     def _is_awaited(self) -> bool:
         """Whether a client waits for the data of this tick before it lets the next one begin."""
-        return bool(self.context.paused() or self.context.network.is_borrowed)
+        return bool(self.context.paused() or self.context.network.is_awaited)
 
     def _send_pending(self) -> None:
         if self._parcels or self._frame_parcels:
