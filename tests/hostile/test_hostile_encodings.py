@@ -9,7 +9,7 @@ import pytest
 import morse
 from morse.builder.editing.changes import Changes, Move, UnwritableError
 from morse.system.source_text import source_text
-from morse.viewer.editor.script_file import ScriptFile
+from morse.viewer.script_file import ScriptFile
 
 if TYPE_CHECKING:
     from pathlib import Path

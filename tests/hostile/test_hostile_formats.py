@@ -19,7 +19,7 @@ from morse.assets.meshfiles.reader import read_meshes
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.rendering.textures import TextureStore
 from morse.scene import Image
-from morse.simulation.handles.textures import NamedPictures
+from morse.simulation.handles.world_changes import NamedPictures
 from morse.system.pictures import open_picture
 
 if TYPE_CHECKING:

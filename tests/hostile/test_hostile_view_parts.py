@@ -16,7 +16,7 @@ import morse
 from morse.builder import ATRV, Environment, FakeRobot
 from morse.core.declarations import properties
 from morse.viewer import live_view, page_messages
-from morse.viewer.editor.editor import Catalog
+from morse.viewer.editor import Catalog
 from morse.viewer.hub import Hub, Wishes
 from morse.viewer.live_view import View
 from morse.viewer.page import MOST_WAITING, Page
@@ -199,7 +199,7 @@ def test_changes_that_cannot_be_made_again_are_named_and_the_others_are_made(des
 
 
 def test_the_changes_of_a_page_are_limited(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("morse.viewer.editor.editor._MOST_CHANGES", 3)
+    monkeypatch.setattr("morse.viewer.editor._MOST_CHANGES", 3)
     editor = desk.view._editor
     editor._catalog.groups = {"Pose": "sensors"}
     desk.ask(*[page_messages.AddModel(i, "Pose", (0.0, 0.0, 1.0), robot="robot") for i in range(1, 6)])

@@ -12,11 +12,10 @@ from rosbags.highlevel import AnyReaderError
 
 import morse
 from morse.recording.errors import RecordingError
-from morse.recording.export import selected
+from morse.recording.export import Rewritten, rewrite, selected
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
-from morse.recording.rewriting import Rewritten, rewrite
 
 if TYPE_CHECKING:
     from pathlib import Path

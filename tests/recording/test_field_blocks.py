@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from effort import examples
 from morse.recording.errors import RecordingError
 from morse.recording.fields.blocks import ReadBlock, encode_block
-from morse.recording.fields.messages import Keeper
+from morse.recording.fields.columns import Keeper
 
 _plain = st.one_of(
     st.none(),

@@ -12,7 +12,7 @@ import pytest
 
 import morse
 from morse.recording.export import export
-from morse.recording.fields.reading import RecordedFields
+from morse.recording.fields.blocks import RecordedFields
 from morse.recording.recording import Recording
 from morse.verification.resimulation import resimulate
 

@@ -15,7 +15,7 @@ from morse.builder import ATRV, GPS, Environment, Hokuyo, MotionVW, Pose
 from morse.core.rows.columns import euler_rows
 from morse.helpers.transformation import euler_angles
 from morse.mathutils.rotations import rotation_from_euler
-from morse.recording.fields.reading import RecordedFields
+from morse.recording.fields.blocks import RecordedFields
 from morse.recording.recording import Recording
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from morse.rendering.pixel_noise import Chip, exposed
+from morse.rendering.picture import Chip, exposed
 from morse.rendering.textures import LIGHT, encoded
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from studio import Studio, Tripod, box, floor
 from morse.rendering import DistortedLens, Lens
 from morse.rendering.flow import moment_of, optical_flow
-from morse.rendering.pixel_noise import Chip, exposed
+from morse.rendering.picture import Chip, exposed
 studio = Studio(floor(half=2.0), box("A", (3, 0.4, 0.5), (0.5, 0.5, 0.5), rotation=(0.2, 0.3, 0.4)),
                 box("B", (2, -1, 0.3), (0.2, 0.3, 0.3)))
 tripod, before = Tripod((0, 0, 1), (3, 0, 0.4)), None

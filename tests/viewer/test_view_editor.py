@@ -12,7 +12,7 @@ from websockets.exceptions import InvalidStatus
 import morse
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
-from morse.viewer.editor.editor import Catalog
+from morse.viewer.editor import Catalog
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ import pytest
 
 import morse
 from morse.builder.editing.changes import Changes, UnwritableError
-from morse.viewer.editor import script_file
-from morse.viewer.editor.script_file import ScriptFile
+from morse.viewer import script_file
+from morse.viewer.script_file import ScriptFile
 
 TEXT = "from morse.builder import *\nenv = Environment('empty')\n"
 NEW = TEXT + "# more\n"

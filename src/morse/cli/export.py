@@ -373,9 +373,8 @@ def command(
 
 def _complete(file: str, path: Path, topics: list[str]) -> int:
     from morse.core.exceptions import MorseError
-    from morse.recording.export import selected
+    from morse.recording.export import rewrite, selected
     from morse.recording.mcap.reader import McapFile
-    from morse.recording.rewriting import rewrite
 
     try:
         with McapFile(file) as recording:

@@ -288,8 +288,7 @@ def complete(simulation: Simulation) -> None:
     """
     from morse.physics.model.overlaps import below_the_floor, overlaps
     from morse.physics.model.raised_robots import raised
-    from morse.simulation.reviews import Fallen, PublishedData
-    from morse.simulation.scene_checks import log_warnings_of_packages
+    from morse.simulation.reviews import Fallen, PublishedData, log_warnings_of_packages
 
     with scene_warnings(refused=simulation.options.on_warning == "raise") as collected, about(simulation.scene.where):
         simulation.load()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from morse.core.values import Fields
     from morse.many.layout import Layout
     from morse.simulation.handles.component_handles import ComponentHandle
-    from morse.simulation.handles.contacts import Contacts as Watch
+    from morse.simulation.handles.world_changes import Contacts as Watch
 
 
 class DataColumn:

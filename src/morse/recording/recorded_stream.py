@@ -17,8 +17,7 @@ from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
 from morse.recording.fields.blocks import encode_block
-from morse.recording.fields.columns import Columns, runs_of
-from morse.recording.fields.messages import UNFIT, Batch, Line, messages_of
+from morse.recording.fields.columns import UNFIT, Batch, Columns, Line, messages_of, runs_of
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.names import cleaned
 from morse.rosmsgs.table import Qos
@@ -32,8 +31,7 @@ if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
     from morse.core.object import Object
     from morse.core.values import Fields, Value
-    from morse.recording.fields.columns import Rows
-    from morse.recording.fields.messages import Keeper
+    from morse.recording.fields.columns import Keeper, Rows
     from morse.recording.streams import RecordedStreams
     from morse.rosmsgs.topics.stream import Sending
 

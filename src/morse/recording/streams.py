@@ -11,8 +11,8 @@ import numpy as np
 
 from morse.core.exceptions import MorseError
 from morse.recording.disk import CHUNK
+from morse.recording.fields.columns import Keeper
 from morse.recording.fields.kept_rows import KeptRows
-from morse.recording.fields.messages import Keeper
 from morse.recording.fields.poses import KeptPoses, Motion
 from morse.recording.mcap.writer import Messages
 from morse.rosmsgs.definitions import definition
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.values import Options
     from morse.recording.disk import Disk
-    from morse.recording.fields.messages import Batch
+    from morse.recording.fields.columns import Batch
     from morse.rosmsgs.table import Qos
 
 logger = logging.getLogger(__name__)

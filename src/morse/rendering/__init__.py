@@ -3,7 +3,7 @@
 Scenes without cameras do not import this package.
 """
 
-from morse.rendering import distortion, flow, pixel_noise, things  # noqa: F401 (cameras use them from the first image on)
+from morse.rendering import distortion, flow, things  # noqa: F401 (cameras use them from the first image on)
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.lens import Lens, Motion
 from morse.rendering.photograph import photograph

@@ -187,7 +187,7 @@ class VideoCamera(Camera):
         image = picture.rgba
         assert image is not None
         if self.full_well or self.read_noise or self.stuck_pixels:
-            from morse.rendering.pixel_noise import Chip, exposed
+            from morse.rendering.picture import Chip, exposed
 
             chip = Chip(self.full_well, self.read_noise, self.stuck_pixels)
             image = image.copy()

@@ -21,7 +21,7 @@ from morse.services.recording_services import RecordingServices
 from morse.services.state_services import StateServices
 from morse.services.supervision_services import Supervision
 from morse.services.time_services import TimeServices
-from morse.simulation.handles.textures import NamedPictures
+from morse.simulation.handles.world_changes import NamedPictures
 from morse.simulation.loader import add_request_manager
 
 if TYPE_CHECKING:

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from morse.physics.model.compile import Compiled
     from morse.recording.recorder import Recorder
     from morse.scene import Scene
-    from morse.simulation.handles.textures import NamedPictures
+    from morse.simulation.handles.world_changes import NamedPictures
     from morse.simulation.options import RunOptions
     from morse.simulation.pictures import LiveView
     from morse.simulation.recordings.input_recording import InputRecording

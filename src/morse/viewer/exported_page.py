@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from morse.core.declarations import data_fields
-from morse.recording.fields.reading import RecordedFields
+from morse.recording.fields.blocks import RecordedFields
 from morse.simulation.recordings.timeline import RecordedTimeline
 from morse.viewer.describe import appearances, describe, moving_nodes, world_key
 from morse.viewer.feeds.components import ValuesFeed, component_tree

@@ -17,7 +17,7 @@ from morse.core.reports.quoting import short
 from morse.viewer import page_messages as page
 from morse.viewer.describe import appearances, moving_nodes, pictured
 from morse.viewer.display import has_display
-from morse.viewer.editor.editor import Editor
+from morse.viewer.editor import Editor
 from morse.viewer.feeds.components import StatesFeed, ValuesFeed, ViewDebug, component_tree, keyboard_robots
 from morse.viewer.feeds.log import LogFeed, RecordingsFeed, printable
 from morse.viewer.feeds.sensors import PicturesFeed, SoundsFeed, ViewClouds, ViewFrustums, ViewOverlays, ViewRays

@@ -6,7 +6,7 @@ import math
 import time
 from typing import TYPE_CHECKING, Any
 
-from morse.recording.fields.reading import RecordedFields
+from morse.recording.fields.blocks import RecordedFields
 from morse.simulation.recordings.timeline import RecordedTimeline
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.recorded import RecordedPicturesFeed, RecordedValuesFeed, cast_wished_rays

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.rows.columns import Columns
     from morse.core.rows.sensor_rows import SensorRows
-    from morse.recording.fields.messages import Batch, Line
+    from morse.recording.fields.columns import Batch, Line
 
 #: number of values of a row in the flat list
 _STRIDE = 5

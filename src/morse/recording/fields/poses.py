@@ -13,7 +13,7 @@ from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotation_rows import quaternions_from_rotations
 from morse.mathutils.rotations import product, turn_back
 from morse.physics.poses.pose_rows import PoseRows
-from morse.recording.fields.messages import Batch
+from morse.recording.fields.columns import Batch
 from morse.rosmsgs.cdr import encode, encode_rows
 from morse.rosmsgs.names import MAP
 from morse.rosmsgs.parts import header_at, quaternion, quaternion_of, time, xyz, xyzw

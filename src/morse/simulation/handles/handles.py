@@ -14,8 +14,7 @@ from morse.core.context import acting
 from morse.core.exceptions import MorseError, MorseRPCNbArgsError
 from morse.core.reports.faults import summary
 from morse.core.request_manager import OfferedService, Outcome, RequestManager
-from morse.simulation.handles.component_handles import ComponentHandle, RobotHandle, component_handles
-from morse.simulation.handles.futures import LocalFuture
+from morse.simulation.handles.component_handles import ComponentHandle, LocalFuture, RobotHandle, component_handles
 from morse.simulation.handles.world_changes import WorldChanges
 
 if TYPE_CHECKING:

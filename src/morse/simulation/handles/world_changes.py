@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.meshfiles.pictures import Pictures
 from morse.assets.search import worlds_with
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.journal import SERVICE
-from morse.core.reports.quoting import nearest
+from morse.core.observer import Observer
+from morse.core.reports.quoting import nearest, quoted
 from morse.mathutils import Euler
+from morse.scene import shared_image
 from morse.services import supervision_services as looks
-from morse.simulation.handles.contacts import Contacts
+from morse.services.foreign_models import check_model
+from morse.system.pictures import open_picture
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -21,8 +29,185 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.values import Value
     from morse.core.world import Body
-    from morse.simulation.handles.textures import NamedPictures
+    from morse.scene import Image
     from morse.simulation.ticks.ticking import Ticker
+
+
+# Pictures that clients and programs name.
+
+#: size of a file, bytes
+_LARGEST = 1 << 26
+#: number of pictures that are kept
+_MOST = 100
+
+
+class NamedPictures:
+    """Pictures in the folders of models, and in the folder in which the simulation was started.
+
+    Args:
+        folders: returns the folders with models.
+    """
+
+    def __init__(self, folders: Callable[[], Sequence[str | os.PathLike[str]]]) -> None:
+        self._folders = folders
+        #: by path, time and size of the file
+        self._images: dict[tuple[Path, int, int], Image] = {}
+
+    def image(self, name: str) -> Image:
+        """Read a PNG or JPEG file, given its path, or its path in one of the folders.
+
+        Raises:
+            MorseRPCInvokationError: it is not there, in another folder, or no picture.
+        """
+        folders = [Path(folder) for folder in self._folders()]
+        check_model(name, folders)
+        with contextlib.suppress(OSError):  # the present folder was deleted
+            folders.append(Path.cwd())
+        path = next((folder / name for folder in folders if (folder / name).is_file()), None)
+        if path is None:
+            places = ", ".join(map(str, folders))
+            raise MorseRPCInvokationError(f"there is no picture {quoted(name)} in {places}")
+        reader = Pictures()
+        try:
+            facts = path.stat()
+            version = path, facts.st_mtime_ns, facts.st_size
+            if version in self._images:
+                return self._images[version]
+            if facts.st_size > _LARGEST:
+                raise OSError(f"it has more than {_LARGEST >> 20} MB")
+            with open_picture(read_regular(path, _LARGEST)) as picture:
+                image = reader.image(path.name, picture)
+        except (OSError, ValueError) as error:
+            raise MorseRPCInvokationError(f"the picture {path} cannot be read: {error!s:.200}") from None
+        if reader.warnings:
+            raise MorseRPCInvokationError(f"the picture {path} cannot be used: {reader.warnings[0]}")
+        if len(self._images) >= _MOST:
+            self._images.clear()
+        image_file = self._images[version] = shared_image(image.name, image.data, image.mime)
+        return image_file
+
+
+# What a robot or an object touches, apart from the floor.
+
+
+@dataclass(slots=True)
+class Contact:
+    """A contact, from its begin to its end.
+
+    Attributes:
+        other: name of the other body.
+        begin: simulated time of the end of the tick in which it began, s.
+        end: likewise, of the first tick without the contact; None while it lasts.
+        impulse: sum of the magnitudes of its impulses since the last `Simulation.step`, N·s.
+    """
+
+    other: str
+    begin: float
+    end: float | None = None
+    impulse: float = 0.0
+
+
+class Contacts(Observer):
+    """The contacts of one body with anything but the floor since the begin of the last `Simulation.step`.
+
+    The floor is what is static and carries the body from below: contacts whose normal is within 45 degrees of the
+    vertical. Contacts are found in each step of the physics, 240 times per second, so that no touch is lost.
+
+    Attributes:
+        body: name of the robot or object.
+        events: the contacts that lasted or began since then, in the order of their begins.
+    """
+
+    def __init__(self, context: Context, body: str) -> None:
+        self.body = body
+        self.events: list[Contact] = []
+        self._context = context
+        self._impulses: Mapping[str, float] = context.world.watch_touches(body)
+        self._lasting: dict[str, Contact] = {}
+        self._tick = context.clock.tick
+        self._callbacks: list[Callable[[Contact], object]] = []
+
+    @property
+    def touched(self) -> bool:
+        """Whether there was any contact."""
+        return bool(self.events)
+
+    @property
+    def impulse(self) -> float:
+        """The sum of the magnitudes of all impulses, N·s."""
+        return sum(contact.impulse for contact in self.events)
+
+    @property
+    def waits(self) -> bool:
+        """Whether nothing touches the body."""
+        return not (self._lasting or self._impulses)
+
+    @property
+    def sees_steps(self) -> bool:
+        """Whether nobody has subscribed."""
+        return not self._callbacks
+
+    def subscribe(self, callback: Callable[[Contact], object]) -> None:
+        """Call ``callback(contact)`` after each tick in which a contact begins; one that fails is removed."""
+        self._callbacks.append(callback)
+
+    def unsubscribe(self, callback: Callable[[Contact], object]) -> None:
+        """Remove a callback."""
+        if callback in self._callbacks:
+            self._callbacks.remove(callback)
+
+    def begin(self) -> None:
+        """Begin a step: contacts that have ended are forgotten."""
+        self.events = list(self._lasting.values())
+        for contact in self.events:
+            contact.impulse = 0.0
+
+    def after_tick(self) -> None:
+        """Take the contacts of a tick."""
+        clock, lasting, impulses = self._context.clock, self._lasting, self._impulses
+        if clock.tick == self._tick or not (impulses or lasting):
+            self._tick = clock.tick
+            return
+        self._tick = clock.tick
+        for other in [other for other in lasting if other not in impulses]:
+            lasting.pop(other).end = clock.time
+        began = []
+        for other, impulse in impulses.items():
+            if other not in lasting:
+                lasting[other] = Contact(other, clock.time)
+                self.events.append(lasting[other])
+                began.append(lasting[other])
+            lasting[other].impulse += impulse
+        if self._callbacks:
+            self._tell(began)
+
+    def _tell(self, began: Sequence[Contact]) -> None:
+        guard, callbacks = self._context.guard, self._callbacks
+        for contact in began:
+            guard.each(
+                list(callbacks),
+                lambda callback, contact=contact: callback(contact),  # type: ignore[misc]
+                lambda callback, error: guard.remove(callbacks, callback, error),
+            )
+
+    def part(self, name: str) -> None:
+        """End the contacts of a body that has been placed: the next step begins without them."""
+        lasting = self._lasting
+        for other in list(lasting) if name == self.body else [name] if name in lasting else []:
+            lasting.pop(other).end = self._context.clock.time
+
+    def restarted(self) -> None:
+        """Forget all contacts, because the simulation has restarted."""
+        self.rearranged()
+        self.events = []
+
+    def rearranged(self) -> None:
+        """Forget what lasts, because bodies may be elsewhere."""
+        self._lasting.clear()
+
+    def __repr__(self) -> str:
+        others = ", ".join(contact.other for contact in self.events) or "nothing"
+        return f"<Contacts of {self.body} with {others}, {self.impulse:.3g} N·s>"
 
 
 #: largest coordinate of a pose, m

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from morse.core.object import Object
     from morse.core.values import Value
-    from morse.simulation.handles.futures import LocalFuture
+    from morse.simulation.handles.component_handles import LocalFuture
     from morse.simulation.recordings.input_recording import InputRecording
     from morse.simulation.simulation import Simulation
 

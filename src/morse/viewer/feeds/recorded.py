@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.core.values import JsonObject
-    from morse.recording.fields.reading import RecordedFields
+    from morse.recording.fields.blocks import RecordedFields
     from morse.simulation.recordings.timeline import RecordedTimeline
     from morse.viewer.server import ViewServer
 

@@ -29,7 +29,7 @@ from morse.core.reports.quoting import short
 from morse.mathutils.rotations import compatible_euler, rotation_from_quaternion
 from morse.scene.extent import visible_extent
 from morse.system.workers import command
-from morse.viewer.editor.script_file import ScriptFile
+from morse.viewer.script_file import ScriptFile
 from morse.viewer.view_messages import Answer, Model, ModelPicture, Models, Refused, SceneChanges
 
 if TYPE_CHECKING:

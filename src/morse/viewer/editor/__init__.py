@@ -1,1 +1,0 @@
-"""The editor of the page: adds, moves and deletes robots and objects, and saves the scene."""
