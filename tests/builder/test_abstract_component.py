@@ -11,7 +11,9 @@ from morse.builder import (
     AbstractComponent,
     Cube,
     FakeRobot,
+    GroundRobot,
     Keyboard,
+    Kinect,
     MorseBuilderError,
     Morsy,
     MotionVW,
@@ -229,10 +231,29 @@ def test_frequency() -> None:
     assert pose._declaration(pose).frequency == 5.0
 
 
-@pytest.mark.parametrize("bad", [0, -1, math.nan, math.inf, "fast", None, False])
+@pytest.mark.parametrize("bad", [0, -1, math.nan, math.inf, "fast", False])
 def test_bad_frequencies(bad: Any) -> None:
     with pytest.raises((TypeError, ValueError), match="frequency"):
         Pose().frequency(bad)
+
+
+def test_a_frequency_that_is_not_given_stays() -> None:
+    pose = Pose()
+    pose.frequency(12)
+    pose.frequency()
+    pose.frequency(None)
+    assert pose.property_value("frequency") == 12.0
+    # scripts of 1.4 call it without an object
+    GroundRobot.frequency(10)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"Pose\.frequency\(\) got an unexpected keyword argument 'delays'"):
+        pose.frequency(delays=1)
+
+
+def test_the_cameras_of_one_sensor_have_its_frequency() -> None:
+    kinect = Kinect()
+    kinect.frequency(7)
+    kinect.frequency()
+    assert [part.property_value("frequency") for part in (kinect, *kinect.children)] == [7.0, 7.0, 7.0]
 
 
 def test_level() -> None:

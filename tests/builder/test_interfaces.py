@@ -305,6 +305,15 @@ def test_options_of_modifiers_are_checked_if_they_declare_some(tmp_path: Path, m
             pose.alter(classpath="fog.Fog", **options)
 
 
+def test_an_option_that_no_modifier_has_is_left_out_with_a_warning(caplog: pytest.LogCaptureFixture) -> None:
+    pose = Pose()
+    pose.alter(classpath="morse.modifiers.pose_noise.PoseNoiseModifier", _pos_std_dev=0.8, pos_std=0.1)
+    assert pose._modifiers[0].options == {"pos_std": 0.1}
+    (warning,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+    assert "has no option '_pos_std_dev'" in warning
+    assert "(it has no effect)" in warning
+
+
 def test_control_types_are_checked_where_the_script_gives_them() -> None:
     with pytest.raises(TypeError, match=r"'ControlType' of MotionVW is 'Velo', expected .*Velocity.*Position"):
         MotionVW().properties(ControlType="Velo")

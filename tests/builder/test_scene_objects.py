@@ -20,7 +20,7 @@ from morse.builder import (
     bpymorse,
     workspace,
 )
-from morse.builder.blender.objects import SceneObject
+from morse.builder.objects import SceneObject
 from morse.scene import Bounds, PhysicsType
 
 

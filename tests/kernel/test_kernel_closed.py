@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from morse.builder.assembly import shapes
+from morse.assets import solids
 from morse.kernel.drawing import meshes
 from tests.kernel.twins import closed
 
@@ -15,7 +15,7 @@ def some_mesh(seed):
     rng = np.random.default_rng(seed)
     points, faces, first = [], [], 0
     for _ in range(12):
-        shape = [shapes.cube, lambda: shapes.ico_sphere(1)][rng.integers(2)]()
+        shape = [solids.cube, lambda: solids.ico_sphere(1)][rng.integers(2)]()
         place = np.asarray(shape.vertices, float).reshape(-1, 3) @ rng.normal(size=(3, 3)) + rng.normal(size=3) * 5
         face = np.asarray(shape.triangles).reshape(-1, 3).copy()
         fault = rng.integers(5)

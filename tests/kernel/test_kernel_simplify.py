@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from morse.builder.assembly import shapes
+from morse.assets import solids
 from morse.kernel.drawing import meshes as drawing_meshes
 from morse.kernel.drawing.meshes import Simplification
 from tests.kernel.twins import simplify
@@ -14,7 +14,7 @@ from tests.kernel.twins import simplify
 def some_mesh(seed):
     """A stretched ball of two materials; smooth or flat, dented, with a hole, or with vertices that became one."""
     rng = np.random.default_rng(seed)
-    ball = shapes.ico_sphere(2)
+    ball = solids.ico_sphere(2)
     index = np.asarray(ball.triangles, np.int32).reshape(-1, 3)
     points = np.asarray(ball.vertices, float).reshape(-1, 3) @ rng.normal(size=(3, 3))
     points += rng.normal(size=points.shape) * rng.choice([0.0, 0.01, 0.05])

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from morse.core.classes.classpath import load_class
+from morse.core.classes.plugins import entry_points
 from morse.middleware import registry
 from morse.version import __version__
 
@@ -23,7 +24,11 @@ SOURCES = ROOT / "src"
 ROOM = SOURCES / "morse" / "plugins"
 PLUGINS = sorted(path.name for path in ROOM.iterdir() if (path / "__init__.py").is_file())
 #: what the core must not say of plug-ins whose names are also words of the field, such as /opt/ros
-WORDS = {"blend": r"plugins[./]blend|read_blend", "ros": r"(?<!find\()[\"']ros[\"']|plugins\.ros\b"}
+WORDS = {
+    "blend": r"plugins[./]blend|read_blend",
+    "legacy": r"plugins[./]legacy|builder[./]legacy",
+    "ros": r"(?<!find\()[\"']ros[\"']|plugins\.ros\b",
+}
 POINTS = {
     name: value
     for points in tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["entry-points"].values()
@@ -97,7 +102,7 @@ def test_the_class_paths_of_a_description_are_those_of_classes(name: str):
 
 @pytest.mark.parametrize(
     ("old", "present"),
-    [(old, new) for entry in registry.installed().values() for old, new in entry.old_modules.items()],
+    [(point.name, point.value) for point in entry_points("morse.old_modules")],
 )
 def test_old_paths_lead_to_the_same_modules(old: str, present: str):
     module = importlib.import_module(old)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from morse.assets import solids
 from morse.assets.collision import resolve_shapes
-from morse.builder.assembly import shapes
 from morse.physics.world import World
 from morse.rendering import Lens, Renderer
 from morse.scene import BodySettings, Light, Material, Mesh, Node, NodeKind, PhysicsType, Scene
@@ -25,11 +25,11 @@ def body(
 
 
 def box(name, location, half, **more):
-    return body(name, shapes.cube(), location, scale=half, **more)
+    return body(name, solids.cube(), location, scale=half, **more)
 
 
 def ball(name, location, radius, **more):
-    return body(name, shapes.ico_sphere(5), location, scale=[radius] * 3, **more)
+    return body(name, solids.ico_sphere(5), location, scale=[radius] * 3, **more)
 
 
 def floor(height=0.0, half=30.0, **more):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from studio import FAR, Studio, Tripod, ball, box, floor
 
-from morse.builder.assembly import shapes
+from morse.assets import solids
 from morse.kernel.rays import MESH, Fan, Poses, SolidArrays, TriangleMesh
 from morse.rendering import Lens
 from morse.scene import PhysicsType
@@ -79,7 +79,7 @@ def test_depth_and_ids_are_those_of_rays_pixel_by_pixel():
     rng = np.random.default_rng(4)
     nodes, meshes, places, turns = [], [], [], []
     for number in range(12):
-        mesh = [shapes.cube(), shapes.cone(), shapes.torus(), shapes.cylinder()][number % 4]
+        mesh = [solids.cube(), solids.cone(), solids.torus(), solids.cylinder()][number % 4]
         location, rotation = rng.uniform(-3, 3, 3), rng.uniform(-3, 3, 3)
         node = box(f"Thing{number}", location, (1, 1, 1), rotation=rotation, kind=PhysicsType.NO_COLLISION)
         node.mesh = mesh
@@ -111,10 +111,10 @@ def test_depth_and_ids_are_those_of_rays_pixel_by_pixel():
         1e3, np.full(1, -5, np.int64),
     )  # fmt: skip
     hits = caster.cast(fan, poses, np.zeros(count, np.int64))
-    solids, depth = hits.solids[0], hits.distances[0] / lengths
+    found, depth = hits.solids[0], hits.distances[0] / lengths
     ids = picture.ids.ravel()
     assert (ids >= 0).mean() > 0.15
-    agree = ids == solids
+    agree = ids == found
     # a pixel whose centre is on an edge may show either side
     assert agree.mean() > 0.9995
     both = agree & (ids >= 0)

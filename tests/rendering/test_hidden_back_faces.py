@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from studio import Studio, Tripod, body, triangles
 
-from morse.builder.assembly import shapes
+from morse.assets import solids
 from morse.kernel.drawing.arrays import CLOSED, MIXED
 from morse.rendering import Lens
 from morse.rendering.meshes import closed_parts
@@ -39,7 +39,7 @@ def test_corners_of_flat_faces_are_welded():
 
 
 def test_a_ball_far_from_the_origin():
-    ball = shapes.ico_sphere(3)
+    ball = solids.ico_sphere(3)
     points = np.asarray(ball.vertices, np.float32).reshape(-1, 3) * np.float32(0.1) + np.float32(20)
     assert (parts(points, np.asarray(ball.triangles).reshape(-1, 3)).part == 0).all()
 

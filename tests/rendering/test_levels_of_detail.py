@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from studio import Studio, Tripod, body
 
-from morse.builder.assembly import shapes
+from morse.assets import solids
 from morse.rendering import Lens
 from morse.rendering.meshes import levels_of
 
@@ -17,7 +17,7 @@ TRIPOD = Tripod((-AWAY, 0, 0), (0, 0, 0))
 
 @pytest.fixture(scope="module")
 def ball():
-    return shapes.ico_sphere(4)
+    return solids.ico_sphere(4)
 
 
 @pytest.fixture(scope="module")
@@ -134,6 +134,6 @@ def test_edges_remain_closed(ball):
 
 
 def test_small_meshes_are_not_simplified():
-    cube = shapes.cube()
+    cube = solids.cube()
     rows = rows_of(np.asarray(cube.vertices).reshape(-1, 3), np.asarray(cube.triangles).reshape(-1, 3))
     assert levels_of(rows, np.zeros(len(rows), int), textured=False) == []

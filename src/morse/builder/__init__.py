@@ -16,7 +16,11 @@ import sys
 from morse import mathutils
 from morse.builder import actuators, bpymorse, robots, sensors
 from morse.builder.abstractcomponent import AbstractComponent
-from morse.builder.blenderobjects import (
+from morse.builder.components.component import Component
+from morse.builder.components.lasers import LaserSensorWithArc
+from morse.builder.components.passive import PassiveObject, Zone
+from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
+from morse.builder.components.solids import (
     Camera,
     Cone,
     Coordsys,
@@ -30,10 +34,6 @@ from morse.builder.blenderobjects import (
     Spot,
     Torus,
 )
-from morse.builder.components.component import Component
-from morse.builder.components.lasers import LaserSensorWithArc
-from morse.builder.components.passive import PassiveObject, Zone
-from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.data import Configuration
 from morse.builder.derive import installed_classes

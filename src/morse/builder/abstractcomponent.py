@@ -7,19 +7,17 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
-from morse.builder.blender.game import checked_property, timer
-from morse.builder.blender.objects import SceneObject
+from morse.builder.compatibility import call_of_today
 from morse.builder.components.interfaces import Interfaces
 from morse.builder.components.models import Models
 from morse.builder.data import Configuration
 from morse.builder.errors import checks
 from morse.builder.errors.angles import hint_at_radians
-from morse.builder.errors.attributes import unknown_attribute
-from morse.builder.errors.properties import check_declared, warn_if_misspelled
-from morse.builder.legacy.methods import old_method
+from morse.builder.errors.declared import check_declared, warn_if_misspelled
 from morse.builder.names import frames, naming
 from morse.builder.names.classes import load_class
 from morse.builder.names.part import Part, Strength
+from morse.builder.objects import SceneObject, checked_property, timer
 from morse.core import declarations
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration
@@ -27,7 +25,7 @@ from morse.scene import ComponentDeclaration
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from morse.builder.blender.pose import LiveEuler, LiveVector
+    from morse.builder.objects import LiveEuler, LiveVector
     from morse.core.values import Properties, Value
     from morse.scene import Node, SourceLine
 
@@ -135,9 +133,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
                 )
             if name.startswith("_"):
                 raise AttributeError(f"{type(self).__name__} has no attribute '{name}'", name=name, obj=self)
-            if (method := old_method(self, name)) is None:
-                unknown_attribute(self, name)
-            return method
+            return checks.missing_attribute(self, name)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} '{self.name}'>" if self.is_complete else f"<{type(self).__name__}>"
@@ -296,8 +292,18 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         """Return the value of a property, or None if it is not set."""
         return self.scene_node.properties.get(name)
 
-    def frequency(self, frequency: float) -> None:
-        """Set the frequency, Hz (per simulated second)."""
+    def frequency(self, frequency: float | None = None, **earlier: Any) -> None:
+        """Set the frequency, Hz (per simulated second); None leaves it as it is.
+
+        Args:
+            **earlier: arguments of earlier versions, as plug-ins understand them.
+        """
+        if earlier:
+            frequency = call_of_today(self, "frequency", {"frequency": frequency}, earlier)["frequency"]
+        if frequency is not None:
+            self._set_frequency(frequency)
+
+    def _set_frequency(self, frequency: float) -> None:
         self._keeps_tick = False
         what = f"{type(self).__name__}.frequency(hz)"
         self._frequency = checks.number(frequency, what, above=0.0, maximum=HIGHEST_FREQUENCY)
@@ -391,7 +397,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             profile=self._profiled,
             where=self._where,
             is_optional=self._is_optional,
-            measures_joint=bool(getattr(self.component_class(), "measures_joint", False)),
+            measures_joint=self._kind == "sensor" and bool(getattr(self.component_class(), "measures_joint", False)),
         )
 
     def _scene_kind(self) -> str:

@@ -1,20 +1,17 @@
-"""Functions on the objects of the scene, under the names of MORSE 1.4.
+"""Functions on the objects of the scene, under the name that scripts know: objects are `SceneObject`.
 
-They do not use Blender: objects are `morse.builder.objects.SceneObject`.
+They do not use Blender.
 """
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 from morse.assets.search import worlds_with
-from morse.builder import workspace
-from morse.builder.blender.game import checked_property
-from morse.builder.blender.materials import ObjectMaterial, material_slots
-from morse.builder.blender.named import NamedList
-from morse.builder.blender.objects import SceneObject
+from morse.builder import compatibility, workspace
 from morse.builder.errors import checks
-from morse.builder.legacy.notices import notice
+from morse.builder.objects import NamedList, SceneObject, checked_property
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 
 if TYPE_CHECKING:
@@ -22,31 +19,15 @@ if TYPE_CHECKING:
 
     from morse.core.values import Properties
 
-__all__ = [
-    "delete",
-    "fullscreen",
-    "get_context_object",
-    "get_material",
-    "get_object",
-    "get_objects",
-    "get_properties",
-    "properties",
-    "select_only",
-    "set_speed",
-    "set_viewport",
-]
+#: also of the functions that plug-ins add for old scripts: see `__getattr__`
+_NAMES = ("delete", "get_context_object", "get_object", "get_objects", "get_properties", "properties", "select_only")
 
 
 def __getattr__(name: str) -> Any:
-    """Functions of 1.4 that only pass a call on to Blender."""
-    if not name.startswith("_"):
-        from morse.builder.legacy.bpy import wrappers
-
-        if name in wrappers.NAMES:
-            return wrappers.wrapper(name)
-    near = checks.closest(name, __all__)
-    hint = f"; did you mean '{near}'?" if near else ""
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'{hint}", name=name)
+    module = sys.modules[__name__]
+    if name == "__all__":
+        return [*_NAMES, *(word for entry in compatibility.installed() for word in entry.attributes(module))]
+    return checks.missing_attribute(module, name)
 
 
 def get_object(name: str) -> SceneObject:
@@ -66,22 +47,6 @@ def get_object(name: str) -> SceneObject:
 def get_objects() -> NamedList[SceneObject]:
     """Every object, by name or in order: parents before their children."""
     return NamedList([SceneObject(node) for node in workspace.current().nodes()], "object")
-
-
-def get_material(name: str) -> ObjectMaterial:
-    """Return the material of that name from the first object that uses it.
-
-    Raises:
-        MorseBuilderNoComponentError: there is no such material.
-    """
-    names = set()
-    for node in workspace.current().nodes():
-        for index, material in enumerate(material_slots(node)):
-            if material is not None:
-                if material.name == name:
-                    return ObjectMaterial(node, index)
-                names.add(material.name)
-    raise MorseBuilderNoComponentError(f"there is no material '{name}'{checks.suggestion(name, names)}")
 
 
 def properties(obj: SceneObject, **kwargs: object) -> None:
@@ -138,40 +103,6 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
         scene.components[:] = [one for one in scene.components if one.scene_node not in below]
         for one in reversed(below):
             scene.delete(one)
-
-
-def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:
-    """Set the frequency of the simulation: old name of ``env.simulator_frequency``, also valid before it exists."""
-    notice("bpymorse.set_speed is an old name, write env.simulator_frequency")
-    set_frequency(fps or 60, logic_step_max or 20, physics_step_max or 20)
-
-
-def set_frequency(frequency: float, logic_step_max: int = 20, physics_step_max: int = 20) -> None:
-    """Set the frequency of the simulation, Hz, whether the environment exists already or not."""
-    scene = workspace.current()
-    if scene.environment is None:
-        scene.speed = (frequency, logic_step_max, physics_step_max)
-    else:
-        _environment("set_speed").simulator_frequency(frequency, logic_step_max, physics_step_max)
-
-
-def fullscreen(fullscreen: bool = True) -> None:
-    """Use the full screen for the view (``env.fullscreen``)."""
-    _environment("fullscreen").fullscreen(fullscreen)
-
-
-def set_viewport(viewport_shade: str = "WIREFRAME", clip_end: float = 1000.0) -> None:
-    """Set the rendering mode (``env.set_viewport``)."""
-    _environment("set_viewport").set_viewport(viewport_shade, clip_end)
-
-
-def _environment(function: str) -> Any:
-    environment = workspace.current().environment
-    if environment is None:
-        raise MorseBuilderError(
-            f"bpymorse.{function} has to be called after the Environment is created: write env.{function}(...)"
-        )
-    return environment
 
 
 def _object(obj: object, what: str) -> SceneObject:

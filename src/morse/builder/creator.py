@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.assets import solids
 from morse.assets.search import worlds_with
 from morse.builder import bpymorse, workspace
-from morse.builder.assembly import shapes
-from morse.builder.blender.objects import SceneObject
+from morse.builder.compatibility import call_of_today
 from morse.builder.components.component import Component, new_object
 from morse.builder.components.realism import RealisticSensor
 from morse.builder.errors import checks
+from morse.builder.objects import SceneObject
 from morse.core import declarations
 from morse.core.classes.builder_defaults import BuilderDefaults, builder_defaults
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ActuatorCreator", "ComponentCreator", "SensorCreator", "bpymorse"]
 
-_SHAPES = {"cube": shapes.cube, "sphere": shapes.sphere, "cylinder": shapes.cylinder}
+_SHAPES = {"cube": solids.cube, "sphere": solids.sphere, "cylinder": solids.cylinder}
 
 
 class ComponentCreator(Component):
@@ -36,6 +37,7 @@ class ComponentCreator(Component):
         blendfile: name of the model for ``USE_BLEND``.
         blendobject: name of the object in the model, or of the existing object.
         make_morseable: whether to assign its component class.
+        classpath: class path of the component class, if the class of the script does not define it.
 
     Attributes:
         _classpath: class path of the component class; subclasses set it.
@@ -46,6 +48,7 @@ class ComponentCreator(Component):
     APPEND_EMPTY = "APPEND_EMPTY"
     USE_BLEND = "USE_BLEND"
     LINK_EXISTING_OBJECT = "LINK_EXISTING_OBJECT"
+    _ACTIONS = (APPEND_EMPTY, USE_BLEND, LINK_EXISTING_OBJECT)
 
     _classpath: str | None = None
     _blendname: str = ""
@@ -60,9 +63,13 @@ class ComponentCreator(Component):
         blendfile: str | None = None,
         blendobject: str | None = None,
         make_morseable: bool = True,
+        classpath: str | None = None,
     ) -> None:
-        actions = (self.APPEND_EMPTY, self.USE_BLEND, self.LINK_EXISTING_OBJECT)
-        checks.choice(action, actions, f"{type(self).__name__}(action)")
+        if action not in self._ACTIONS:
+            known = {"action": action, "blendfile": blendfile, "classpath": classpath}
+            given = call_of_today(self, "__init__", known, {})
+            action, blendfile, classpath = given["action"], given["blendfile"], given["classpath"]
+        checks.choice(action, self._ACTIONS, f"{type(self).__name__}(action)")
         model = blendfile or type(self)._blendname
         if action == self.USE_BLEND:
             if not model:
@@ -73,6 +80,8 @@ class ComponentCreator(Component):
             existing = action == self.LINK_EXISTING_OBJECT
             self.set_blender_object(self._existing(blendobject or name) if existing else self._new())
         self._blendname = model
+        if classpath is not None:
+            self.morseable(classpath)
         self._load_defaults(make_morseable)
         if name is not None:
             self.name = name
@@ -135,8 +144,9 @@ class _KindCreator(ComponentCreator):
         blendfile: str | None = None,
         blendobject: str | None = None,
         make_morseable: bool = True,
+        classpath: str | None = None,
     ) -> None:
-        super().__init__(name, f"{self._kind}s", action, blendfile, blendobject, make_morseable)
+        super().__init__(name, f"{self._kind}s", action, blendfile, blendobject, make_morseable, classpath)
 
 
 class SensorCreator(RealisticSensor, _KindCreator):

@@ -10,5 +10,5 @@ globals().update(_derived)
 
 __all__ = ["BarePR2", "BasePR2", "LocalizedPR2", "NavPR2", *_derived]
 
-# MORSE 1.4 had modules below this one (`morse.builder.legacy.modules`)
+# earlier versions had modules below this one, which plug-ins may find
 __path__: list[str] = []

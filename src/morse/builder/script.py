@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import logging
 import sys
 import threading
@@ -13,16 +12,12 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import TYPE_CHECKING
 
-from morse import mathutils
 from morse.assets import search
 from morse.assets.formats import is_model
-from morse.builder import workspace
+from morse.builder import compatibility, workspace
 from morse.builder.assembly.finalise import build_scene
 from morse.builder.errors import ScriptError
 from morse.builder.errors.explain import explain
-from morse.builder.legacy import bpy, removed
-from morse.builder.legacy.arguments import argv
-from morse.builder.legacy.modules import OldModules
 from morse.builder.names import frames
 from morse.builder.names.places import resource_folders, source_folders
 from morse.core.classes.project_imports import ProjectImports
@@ -94,13 +89,25 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
     script = Path(options.script).absolute()
     directories = list(dict.fromkeys([*options.source_paths, *source_folders(script)]))
     libraries = LibrariesFirst(script.stem, directories)
-    words = argv(script, options.arguments, directories)
-    old = OldModules()
-    project = ProjectImports(directories, words, [libraries, old], from_source=anew, as_imported=removed.as_imported)
-    if _lacks("mathutils"):
-        project.offer("mathutils", mathutils)
-    if _lacks(bpy.NAME):
-        project.offer(bpy.NAME, bpy.stand_in())
+    words = compatibility.first("arguments", script, options.arguments, directories)
+    modules = [entry.modules() for entry in compatibility.installed()]
+
+    def as_imported(module: ModuleType) -> ModuleType:
+        for more in modules:
+            module = more.as_imported(module)
+        return module
+
+    project = ProjectImports(
+        directories,
+        words or [str(script), *options.arguments],
+        [libraries, *(finder for more in modules for finder in more.finders)],
+        from_source=anew,
+        as_imported=as_imported,
+        names={name: value for more in modules for name, value in more.names.items()},
+    )
+    for more in modules:
+        for name, module in more.offered.items():
+            project.offer(name, module)
 
     def describe() -> None:
         if is_model(script):
@@ -112,7 +119,8 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
         with project:
             scene = build(describe, str(script), options.resource_paths, options.interfaces, resource_folders(script))
     finally:
-        old.forget()
+        for more in modules:
+            more.close()
     scene.project = project
     return scene
 
@@ -173,13 +181,6 @@ def describing(resource_paths: list[str]) -> Iterator[None]:
     """Within the block, a part of a scene can be described, with the models of a project."""
     with _describing, search.project_dirs(resource_paths):
         yield
-
-
-def _lacks(name: str) -> bool:
-    """Whether a module is missing that scripts of 1.4 import because Blender contained it."""
-    spec = importlib.util.find_spec(name)
-    # a folder of that name on the path is not a module
-    return spec is None or spec.origin is None
 
 
 def compiled(source: bytes | str, name: str) -> CodeType:

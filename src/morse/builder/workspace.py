@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import copy
+import logging
 import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from morse.builder.names import frames
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import Settings
 
@@ -254,3 +256,19 @@ def described() -> Iterator[Workspace]:
 def is_being_described() -> bool:
     """Whether a scene script is running."""
     return _described > 0
+
+
+def notice(message: str, old: str = "", new: str = "") -> None:
+    """Log a warning about old code with the line of the script; in a loop, the same message is logged once.
+
+    Args:
+        message: what is old, and how it is written today.
+        old: a word of the line that `morse check --fix` may replace.
+        new: its replacement.
+    """
+    where = frames.source_line()
+    if (where, message) not in _current.notices:
+        _current.notices.add((where, message))
+        logging.getLogger("morse.builder.script").warning(
+            "%s", message, extra={"where": where, "is_old": True, "edit": (old, new)}
+        )

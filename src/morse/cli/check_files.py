@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.builder.legacy.check import Finding, Survey
+    from morse.builder.survey import Finding, Survey
     from morse.scene import Bone, Library, Node
     from morse.simulation.options import RunOptions
 
@@ -237,7 +237,7 @@ def _verdict(name: str, findings: Sequence[Finding]) -> str:
 def _surveyed(options: RunOptions, text: str | None = None) -> Survey:
     """The findings of the script, and those of its components when they are loaded without connections."""
     # imported on demand, because they load the builder and the simulator
-    from morse.builder.legacy.check import survey
+    from morse.builder.survey import survey
     from morse.launch.load import load
     from morse.middleware.registry import missing_modules
 
@@ -276,7 +276,7 @@ def _count(number: int, what: str) -> str:
 
 
 def _fix(result: Survey, script: Path, options: RunOptions) -> None:
-    from morse.builder.legacy.check.mending import mended
+    from morse.builder.survey import mended
 
     text = mended(result.text, result.findings)
     if text == result.text:

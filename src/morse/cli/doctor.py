@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 _GROUPS = {
     "morse.middlewares": "middleware",
     "morse.formats": "model format",
+    "morse.compatibility": "old scripts",
     "morse.components": "components",
     "morse.modifiers": "modifiers",
     "morse.kinds": "message kinds",

@@ -60,8 +60,8 @@ class MorseBuilderError(MorseError):
     """A scene script is invalid."""
 
 
-class MorseBuilderNoComponentError(MorseBuilderError):
-    """The requested component does not exist."""
+class MorseBuilderNoComponentError(MorseBuilderError, KeyError):
+    """The requested component, or object of the scene, does not exist."""
 
 
 class MorseBuilderBadSyntaxError(MorseBuilderError):

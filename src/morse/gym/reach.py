@@ -10,6 +10,7 @@ from gymnasium import spaces
 
 from morse.gym.task import Command, Read, Task, Touch
 from morse.mathutils import portable
+from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -45,8 +46,8 @@ def robot_with(name: str, *, by_camera: bool = False) -> Any:
     robot, body = Robot(name=name), Cylinder("body")
     robot.properties(GroundRobot=True)
     body.scale, body.location = (0.2, 0.2, 0.15), (0.0, 0.0, 0.15)
-    game = body._bpy_object.game
-    game.physics_type, game.collision_bounds_type, game.use_collision_bounds = "RIGID_BODY", "CYLINDER", True
+    settings = body.scene_node.body
+    settings.type, settings.bounds = PhysicsType.RIGID_BODY, Bounds.CYLINDER
     robot.append(body)
     robot.set_rigid_body()
     robot.set_mass(10.0)

@@ -75,8 +75,6 @@ class Middleware:
         node_protocols: values of ``protocol`` of ``env.configure_multinode`` for which it exchanges the poses of robots
             with other simulations; its options are then ``server_address`` and ``server_port``.
         takes_old_names: whether its streams can be given by class paths of MORSE 1.4 that are not classes any more.
-        old_modules: paths below ``morse.middleware`` under which scripts import modules that are elsewhere today, and
-            their present paths; also those of the modules below them.
     """
 
     name: str
@@ -98,7 +96,6 @@ class Middleware:
     names_topics_as_ros: bool = False
     node_protocols: tuple[str, ...] = ()
     takes_old_names: bool = False
-    old_modules: Mapping[str, str] = field(default_factory=dict)
 
     def lacks(self) -> list[str]:
         """Those of its modules that are not installed; nothing is imported."""
@@ -201,13 +198,6 @@ def missing_modules(managers: Iterable[str]) -> dict[str, str]:
     return {manager: messages[manager] for manager in managers if messages.get(manager)}
 
 
-def present_module(old: str) -> str | None:
-    """The path of a module that scripts import by an old path below ``morse.middleware``; None if there is none."""
-    paths = {path: present for entry in installed().values() for path, present in entry.old_modules.items()}
-    found = max((path for path in paths if f"{old}.".startswith(f"{path}.")), key=len, default=None)
-    return None if found is None else paths[found] + old.removeprefix(found)
-
-
 def middleware(name: str) -> Middleware:
     """The middleware of that name.
 
@@ -215,7 +205,12 @@ def middleware(name: str) -> Middleware:
         MorseMiddlewareError: it is unknown, not installed or broken.
     """
     package = f"morse.middleware.{name}"
-    if name.isidentifier() and find_spec(package) is not None and (entry := _ours(package)) is not None:
+    if (
+        name.isidentifier()
+        and find_spec(package) is not None
+        and (entry := _ours(package)) is not None
+        and entry.name == name
+    ):
         return entry
     for point in entry_points(_GROUP):
         if point.name == name:

@@ -21,7 +21,6 @@ _IMPORTS = """\
 from morse.builder import *
 from morse.builder.actuators import *
 from morse.builder.sensors import *
-from morse.builder.blenderobjects import *
 
 class MyEnv():
 """

@@ -274,7 +274,7 @@ def _slow_down(parts: Iterable[AbstractComponent], tick: float) -> None:
         )
     for part in fast:
         # not those of its children, which may be slower
-        AbstractComponent.frequency(part, tick)
+        AbstractComponent._set_frequency(part, tick)
 
 
 def _properties(environment: EnvironmentDescription) -> Properties:

@@ -6,9 +6,9 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets import solids
 from morse.assets.search import find_file
 from morse.builder import workspace
-from morse.builder.assembly import shapes
 from morse.builder.creator import ActuatorCreator
 from morse.builder.errors import checks
 from morse.builder.names import frames
@@ -116,7 +116,7 @@ class LedArray(ActuatorCreator):
         pitch = checks.number(pitch, "LedArray(pitch)", above=0.0)
         if rows * columns > _MOST_LEDS:
             raise MorseBuilderError(f"LedArray: {rows} x {columns} are more than {_MOST_LEDS} lights")
-        body = shapes.cube()
+        body = solids.cube()
         material = Material("Led", (0.02, 0.02, 0.02, 1.0), shadeless=True)
         for row in range(rows):
             for column in range(columns):

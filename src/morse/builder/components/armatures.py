@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.builder import workspace
-from morse.builder.blender.objects import SceneObject
 from morse.builder.creator import ActuatorCreator
 from morse.builder.errors import checks
+from morse.builder.objects import SceneObject
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 from morse.helpers.chain import Chain
 from morse.mathutils import Matrix

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.assets import solids
 from morse.builder import workspace
-from morse.builder.assembly import shapes
 from morse.builder.creator import ComponentCreator, SensorCreator
 from morse.builder.errors import checks
 from morse.mathutils import Euler, Matrix, Vector
@@ -108,9 +108,8 @@ class VLP16_180(SensorCreator):  # noqa: N801 (its name in MORSE 1.4)
         self.properties(master_camera="cam1")
         self.frequency(10.0)
 
-    def frequency(self, frequency: float) -> None:
-        """Set the frequency of all cameras, Hz (per simulated second)."""
-        super().frequency(frequency)
+    def _set_frequency(self, frequency: float) -> None:
+        super()._set_frequency(frequency)
         for camera in self.children:
             camera.frequency(frequency)
 
@@ -123,7 +122,7 @@ class Kinect(SensorCreator):
     def __init__(self, name: str | None = "Kinect") -> None:
         super().__init__(name)
         self.mark_unexportable()
-        casing = Node("KinectMesh", kind=NodeKind.MESH, mesh=shapes.cube())
+        casing = Node("KinectMesh", kind=NodeKind.MESH, mesh=solids.cube())
         casing.scale, casing.location = [0.02, 0.1, 0.02], [0.03, 0.0, 0.04]
         casing.materials = [Material(casing.name, (0.05, 0.05, 0.05, 1.0))]
         workspace.current().add(casing)
@@ -156,9 +155,8 @@ class Kinect(SensorCreator):
         # the cameras are connected one by one
         super().add_interface(interface)
 
-    def frequency(self, frequency: float) -> None:
-        """Set the frequency of both cameras, Hz (per simulated second)."""
-        super().frequency(frequency)
+    def _set_frequency(self, frequency: float) -> None:
+        super()._set_frequency(frequency)
         for camera in self.children:
             camera.frequency(frequency)
 

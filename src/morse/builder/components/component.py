@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from morse.builder import workspace
 from morse.builder.abstractcomponent import AbstractComponent
-from morse.builder.blender.objects import SceneObject
 from morse.builder.errors import checks
+from morse.builder.objects import SceneObject
 from morse.scene import Node
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import checks
-from morse.builder.errors.options import modifier_options, stream_options, with_file_options
+from morse.builder.errors.declared import modifier_options, stream_options, with_file_options
 from morse.builder.names import frames
 from morse.builder.names.modifiers import find_modifier
 from morse.core import declarations

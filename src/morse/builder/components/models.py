@@ -8,8 +8,8 @@ from morse.assets import find, load
 from morse.assets.search import worlds_with
 from morse.builder import workspace
 from morse.builder.assembly.selection import take
-from morse.builder.blender.objects import SceneObject
 from morse.builder.errors import checks
+from morse.builder.objects import SceneObject
 from morse.core.exceptions import MorseBuilderNoComponentError
 from morse.scene import Choice
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.builder import workspace
-from morse.builder.blender.materials import material_slots
 from morse.builder.components.declared import DeclaredRobot
 from morse.builder.components.robot import GroundRobot
 from morse.builder.errors import checks
+from morse.builder.objects import material_slots
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

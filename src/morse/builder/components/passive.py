@@ -14,7 +14,7 @@ from morse.core.exceptions import MorseBuilderError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.builder.blender.pose import LiveVector
+    from morse.builder.objects import LiveVector
 
 
 class PassiveObject(Matter):

@@ -6,11 +6,11 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.builder.blender.materials import material_slots
 from morse.builder.components.collision import set_collision
 from morse.builder.components.component import Component
 from morse.builder.components.matter import Matter
 from morse.builder.errors import checks
+from morse.builder.objects import material_slots
 from morse.core.exceptions import MorseBuilderError
 from morse.mathutils import Matrix, Quaternion
 from morse.middleware import registry

@@ -5,22 +5,21 @@ from __future__ import annotations
 import logging
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from morse.assets import find, load
 from morse.builder import workspace
 from morse.builder.assembly.selection import take, viewpoint_of
-from morse.builder.blender.game import checked_property
+from morse.builder.compatibility import value_of_today
 from morse.builder.components.robot import Robot, WheeledRobot, connect
 from morse.builder.environment.time import TimeMethods
 from morse.builder.environment.view import ViewMethods
 from morse.builder.errors import checks
-from morse.builder.errors.attributes import unknown_attribute
-from morse.builder.errors.properties import warn_if_misspelled
-from morse.builder.legacy import values
-from morse.builder.legacy.notices import notice
+from morse.builder.errors.declared import warn_if_misspelled
 from morse.builder.names import frames, naming
 from morse.builder.names.part import Strength
+from morse.builder.objects import checked_property
+from morse.builder.workspace import notice
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import Choice, Mist
 
@@ -95,8 +94,8 @@ class Environment(ViewMethods, TimeMethods):
 
     if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
-        def __getattr__(self, name: str) -> NoReturn:
-            unknown_attribute(self, name)
+        def __getattr__(self, name: str) -> Any:
+            return checks.missing_attribute(self, name)
 
     def __repr__(self) -> str:
         return f"<Environment '{self.filename}'>"
@@ -165,7 +164,7 @@ class Environment(ViewMethods, TimeMethods):
         warn_if_misspelled("the environment", kwargs, _NUMBERS)
         for key, value in kwargs.items():
             if key in _NUMBERS:
-                value = values.number(value, f"env.properties({key})")
+                value = value_of_today("number", value, f"env.properties({key})")
             most = _DEGREES.get(key)
             if most is not None and isinstance(value, (int, float)) and not -most <= value <= most:
                 logger.warning("env.properties(%s) takes degrees from %g to %g, got %g", key, -most, most, value)

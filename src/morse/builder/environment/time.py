@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.builder.abstractcomponent import HIGHEST_FREQUENCY
 from morse.builder.assembly.description import EnvironmentDescription
+from morse.builder.compatibility import call_of_today
 from morse.builder.components.interfaces import Interfaces
 from morse.builder.errors import checks
-from morse.builder.errors.options import manager_options
-from morse.builder.legacy.notices import notice
+from morse.builder.errors.declared import manager_options
 from morse.builder.names import frames
+from morse.builder.workspace import notice
 from morse.core.clock import SLOWEST
 from morse.core.exceptions import MorseMultinodeError
 from morse.core.reports import log
@@ -90,8 +91,7 @@ class TimeMethods(EnvironmentDescription):
         base_frequency: float = 60.0,
         logic_step_max: int = 20,
         physics_step_max: int = 20,
-        *,
-        fps: float | None = None,
+        **earlier: Any,
     ) -> None:
         """Set the number of ticks per simulated second, independent of the frequencies of the components.
 
@@ -99,11 +99,11 @@ class TimeMethods(EnvironmentDescription):
             base_frequency: Hz, 0.1 to 10,000.
             logic_step_max: accepted for old scripts; all ticks have the same length.
             physics_step_max: accepted for old scripts.
-            fps: old name of ``base_frequency``.
+            **earlier: arguments of earlier versions, as plug-ins understand them.
         """
-        if fps is not None:
-            notice("env.simulator_frequency(fps) is an old name, write base_frequency", "fps", "base_frequency")
-            base_frequency = fps
+        if earlier:
+            known = {"base_frequency": base_frequency}
+            base_frequency = call_of_today(self, "simulator_frequency", known, earlier)["base_frequency"]
         what = "env.simulator_frequency(base_frequency)"
         # at a lower frequency a tick would take minutes, because the physics steps stay short
         self.settings.frequency = checks.number(base_frequency, what, minimum=0.1, maximum=HIGHEST_FREQUENCY)

@@ -9,8 +9,8 @@ from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.description import EnvironmentDescription, Wish
 from morse.builder.errors import checks
 from morse.builder.errors.angles import hint_at_radians
-from morse.builder.legacy.notices import notice
 from morse.builder.names import frames
+from morse.builder.workspace import notice
 from morse.scene import Mist
 
 if TYPE_CHECKING:

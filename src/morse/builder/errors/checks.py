@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from datetime import UTC, datetime
 from numbers import Real
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from morse.builder.legacy import values
+from morse.builder import compatibility
 from morse.core.reports.quoting import closest as closest
 from morse.core.reports.quoting import nearest
 
@@ -50,7 +51,7 @@ def number(
         ValueError: the value is NaN, infinite or out of range.
     """
     if type(value) is not float:
-        value = values.number(value, what)
+        value = compatibility.value_of_today("number", value, what)
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError(f"{what} takes a number, got {shown(value)}")
     result = float(value)
@@ -121,7 +122,7 @@ def boolean(value: object, what: str) -> bool:
     Raises:
         TypeError: the value is not a boolean.
     """
-    value = values.boolean(value, what)
+    value = compatibility.value_of_today("boolean", value, what)
     if isinstance(value, bool) or (isinstance(value, int) and value in (0, 1)):
         return bool(value)
     raise TypeError(f"{what} takes True or False, got {shown(value)}")
@@ -161,7 +162,7 @@ def names(value: object, what: str) -> list[str]:
     Raises:
         TypeError: the value is not a list of strings.
     """
-    result = values.names(value, what)
+    result = compatibility.value_of_today("names", value, what)
     words = list(result) if hasattr(result, "__iter__") else [result]
     if not all(isinstance(word, str) for word in words):
         raise TypeError(f"{what} takes a list of names, got {shown(value)}")
@@ -181,3 +182,40 @@ def choice(value: object, options: Iterable[str], what: str) -> str:
     near = closest(value, words)
     hint = f"; did you mean '{near}'?" if near else ""
     raise ValueError(f"{what} takes one of {', '.join(words)}; got '{value}'{hint}")
+
+
+def missing_attribute(owner: object, name: str) -> Any:
+    """An attribute of earlier versions that an object, or a module, does not have.
+
+    Raises:
+        AttributeError: it never existed; the message names the nearest one.
+    """
+    entries = () if name.startswith("__") else compatibility.installed()
+    get = next((get for entry in entries if (get := entry.attribute(owner, name)) is not None), None)
+    if get is None:
+        unknown_attribute(owner, name)
+    return get()
+
+
+def set_missing_attribute(owner: object, name: str, value: object) -> None:
+    """Set an attribute of earlier versions.
+
+    Raises:
+        AttributeError: it never existed; the message names the nearest one.
+    """
+    if not any(entry.set_attribute(owner, name, value) for entry in compatibility.installed()):
+        unknown_attribute(owner, name)
+
+
+def unknown_attribute(owner: object, name: str) -> NoReturn:
+    """Raise the `AttributeError` for an attribute that does not exist; the message names the nearest one."""
+    if isinstance(owner, ModuleType):
+        kind, names = f"module '{owner.__name__}'", list(vars(owner))
+    else:
+        # classes with slots have no __dict__, and access to it would call this function again
+        kind, names = type(owner).__name__, [*dir(type(owner)), *(vars(owner) if type(owner).__dictoffset__ else ())]
+    old = (word for entry in compatibility.installed() for word in entry.attributes(owner))
+    near = closest(name, [word for word in (*names, *old) if not word.startswith("_")])
+    hint = f"; did you mean '{near}'?" if near else ""
+    # with a name, but without an object, Python adds no suggestion of its own
+    raise AttributeError(f"{kind} has no attribute '{name}'{hint}", name=name)

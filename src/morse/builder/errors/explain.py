@@ -12,8 +12,8 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.builder import compatibility
 from morse.builder.errors import ScriptError, Step, checks
-from morse.builder.legacy import language
 from morse.builder.names import frames
 from morse.builder.names.catalog import KINDS
 from morse.core.exceptions import MorseError
@@ -124,7 +124,7 @@ def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tup
     """Return the description of the error, and the correction."""
     match error:
         case SyntaxError() if error.lineno is not None:
-            return f"{type(error).__name__}: {error.msg}", language.mend_of_syntax(error)
+            return f"{type(error).__name__}: {error.msg}", compatibility.first("mend_of_syntax", error)
         case SystemExit():
             return (
                 f"the script ended with sys.exit({error.code!r})"
@@ -162,7 +162,7 @@ def _name_error(name: str, frame: FrameType | None) -> tuple[str, str]:
     names = set(ours) | set(dir(builtins))
     if frame is not None:
         names |= set(frame.f_locals) | set(frame.f_globals)
-    if mend := language.mend_of_name(name):
+    if mend := compatibility.first("mend_of_name", name):
         return f"the name '{name}' is not defined", mend
     near = checks.closest(name, names)
     return f"the name '{name}' is not defined", f"Did you mean '{near}'?" if near else ""
@@ -205,7 +205,7 @@ def _project_of(module: str) -> Path | None:
 def _no_member(name: str, error: ImportError) -> tuple[str, str]:
     if (error.name or "").startswith("morse.builder") and (hint := missing_component(name)) is not None:
         return hint
-    if (error.name or "").startswith("morse.") and (mend := language.mend_of_name(name)):
+    if (error.name or "").startswith("morse.") and (mend := compatibility.first("mend_of_name", name)):
         return f"there is no '{name}' in '{error.name}'", mend
     module = sys.modules.get(error.name or "")
     near = checks.closest(name, dir(module)) if module is not None else None

@@ -16,12 +16,13 @@ import sysconfig
 import threading
 from contextlib import contextmanager
 from importlib.machinery import PathFinder
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType, TracebackType
 
@@ -41,6 +42,7 @@ class ProjectImports:
         finders: meta path finders that take precedence inside the block.
         from_source: whether to compile every module, even if Python has a cached compiled file.
         as_imported: returns a module of the process as the code of the project sees it.
+        names: what the code of the project can use without importing it, as the built-in functions.
     """
 
     def __init__(
@@ -51,6 +53,7 @@ class ProjectImports:
         *,
         from_source: bool = False,
         as_imported: Callable[[ModuleType], ModuleType] = lambda module: module,
+        names: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         self._as_imported = as_imported
         self._directories = list(directories)
@@ -60,7 +63,7 @@ class ProjectImports:
         self._depth = 0
         self._from_source = self._renewing = from_source
         self._finders: list[Any] = [*finders, self]
-        self._builtins = {**vars(builtins), "__import__": self._import}
+        self._builtins = {**vars(builtins), **names, "__import__": self._import}
         self._former: tuple[list[str], list[str], dict[str, ModuleType]] = ([], [], {})
 
     def offer(self, name: str, module: ModuleType) -> None:

@@ -25,12 +25,4 @@ MIDDLEWARE = Middleware(
     default_reader="morse.middleware.socket_datastream.SocketReader",
     # these classes carry cameras or nothing, and have no data
     not_carried=("StereoUnit", "MocapControl"),
-    old_modules={
-        "morse.middleware.socket_datastream": "morse.middleware.socket.datastream",
-        "morse.middleware.socket_request_manager": "morse.middleware.socket.request_manager",
-        "morse.middleware.sockets": "morse.middleware.socket",
-        "morse.middleware.sockets.depth_camera": "morse.middleware.socket.publishers_of_1_4",
-        "morse.middleware.sockets.jointstate": "morse.middleware.socket.publishers_of_1_4",
-        "morse.middleware.sockets.video_camera": "morse.middleware.socket.publishers_of_1_4",
-    },
 )

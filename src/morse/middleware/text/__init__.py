@@ -14,7 +14,6 @@ MIDDLEWARE = Middleware(
     default_publisher="morse.middleware.text_datastream.Publisher",
     default_reader=None,
     needs_network=False,
-    old_modules={"morse.middleware.text_datastream": "morse.middleware.text.datastream"},
     # images and clouds would be megabytes in each tick
     not_carried=("Camera", "CameraUnit"),
 )

@@ -34,8 +34,4 @@ MIDDLEWARE = Middleware(
     extra="mavlink",
     purpose="vehicles of MAVLink, with an autopilot",
     in_place_of=("pprzlink",),
-    old_modules={
-        "morse.middleware.mavlink_datastream": "morse.plugins.mavlink.datastream",
-        "morse.middleware.mavlink": "morse.plugins.mavlink",
-    },
 )

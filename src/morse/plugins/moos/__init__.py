@@ -32,8 +32,4 @@ MIDDLEWARE = Middleware(
     modules=("pymoos2",),
     extra="moos",
     purpose="variables of a MOOS database",
-    old_modules={
-        "morse.middleware.moos_datastream": "morse.plugins.moos.datastream",
-        "morse.middleware.moos": "morse.plugins.moos",
-    },
 )

@@ -21,5 +21,4 @@ MIDDLEWARE = Middleware(
     default_reader=None,
     node_protocols=("socket",),
     purpose="poses of robots between simulations, env.configure_multinode",
-    old_modules={"morse.middleware.multinode": "morse.plugins.multinode"},
 )

@@ -45,10 +45,5 @@ MIDDLEWARE = Middleware(
     install=INSTALL,
     purpose="topics, services and actions of ROS 1",
     names_topics_as_ros=True,
-    old_modules={
-        "morse.middleware.ros_datastream": "morse.plugins.ros.datastream",
-        "morse.middleware.ros_request_manager": "morse.plugins.ros.request_manager",
-        "morse.middleware.ros": "morse.plugins.ros",
-    },
     imports=("roslib", "rosbag", "roslaunch", "tf", "actionlib", "move_base_msgs", "std_srvs"),
 )

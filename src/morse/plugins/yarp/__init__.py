@@ -32,11 +32,6 @@ MIDDLEWARE = Middleware(
     default_publisher="morse.plugins.yarp.datastream.YarpPublisher",
     default_reader="morse.plugins.yarp.datastream.YarpReader",
     not_carried=NOT_CARRIED,
-    old_modules={
-        "morse.middleware.yarp_datastream": "morse.plugins.yarp.datastream",
-        "morse.middleware.yarp_request_manager": "morse.plugins.yarp.request_manager",
-        "morse.middleware.yarp": "morse.plugins.yarp",
-    },
     purpose="ports of YARP, with a name server",
 )
 JSON_MIDDLEWARE = replace(
@@ -47,6 +42,5 @@ JSON_MIDDLEWARE = replace(
     default_reader="morse.plugins.yarp.datastream.YarpJsonReader",
     # megabytes of text in each tick
     not_carried=(*NOT_CARRIED, "Camera", "CameraUnit"),
-    old_modules={},
     purpose="ports of YARP with JSON texts",
 )

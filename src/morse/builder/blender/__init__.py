@@ -1,1 +1,0 @@
-"""Nodes of the scene under the names of Blender, for scripts that know them."""
