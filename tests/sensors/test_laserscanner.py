@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -337,3 +338,19 @@ def test_clients_set_no_more_rays_than_a_tick_casts(simulate):
     laser.set_property("resolution", 0.01)
     scene.sleep(0.1)
     assert len(laser.local_data["range_list"]) == 27001
+
+
+def test_a_vlp16_sees_the_whole_circle_at_once(simulate):
+    """16 layers 2 degrees apart, as in the manual of the VLP-16; each scan is complete, in the same frame."""
+    simulation = simulate(in_room("VLP16", "robot.translate(z=1.0)"), sockets=False)
+    before = simulation.world.objects_by_name["robot.laser"].world_pose()
+    simulation.step(20)
+    points = np.asarray(simulation.robot.laser.get()["point_list"]).reshape(16, 1800, 3)
+    assert simulation.world.objects_by_name["robot.laser"].world_pose() == before
+    seen = np.linalg.norm(points, axis=2) > 0.0
+    assert seen[7:9].all()  # the layers next to the horizon end at the walls, in all directions
+    azimuth = np.degrees(np.arctan2(points[8, :, 1], points[8, :, 0]))
+    assert np.sort(azimuth) == pytest.approx(np.arange(1800) * 0.2 - 179.9, abs=1e-6)
+    down = points[15][seen[15]]
+    assert np.degrees(np.arctan2(-down[:, 2], np.hypot(down[:, 0], down[:, 1]))) == pytest.approx(15.0, abs=1e-6)
+    assert points[8, 900, 0] == pytest.approx(4.0, abs=0.01)

@@ -127,6 +127,7 @@ from morse.builder.sensors import StereoUnit as StereoUnit
 from morse.builder.sensors import ThermalCamera as ThermalCamera
 from morse.builder.sensors import Thermometer as Thermometer
 from morse.builder.sensors import UltrasonicRangeFinder as UltrasonicRangeFinder
+from morse.builder.sensors import VLP16 as VLP16
 from morse.builder.sensors import VN100 as VN100
 from morse.builder.sensors import Velocity as Velocity
 from morse.builder.sensors import Velodyne as Velodyne
@@ -298,6 +299,7 @@ __all__ = [
     "Torus",
     "UltrasonicRangeFinder",
     "UnexportableError",
+    "VLP16",
     "VLP16_180",
     "VN100",
     "Velocity",

@@ -56,6 +56,7 @@ __all__ = [
     "ThermalCamera",
     "Thermometer",
     "UltrasonicRangeFinder",
+    "VLP16",
     "VLP16_180",
     "VN100",
     "Velocity",
@@ -566,6 +567,23 @@ class UltrasonicRangeFinder(SensorCreator):
         cone: float = ...,
         resolution: float = ...,
         radiation: Literal["infrared", "ultrasound", "radar"] = ...,
+        on_demand: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class VLP16(LaserSensorWithArc):
+    """A Velodyne VLP-16: 100 m, 16 layers from 15 degrees up to 15 degrees down, all around in steps of 0.2 degrees, 10 Hz. The whole circle is measured at once, in a frame that does not turn."""
+    def properties(
+        self,
+        *,
+        laser_range: float = ...,
+        range_min: float = ...,
+        resolution: float = ...,
+        scan_window: float = ...,
+        Visible_arc: bool = ...,
+        layers: int = ...,
+        layer_separation: float = ...,
+        layer_offset: float = ...,
         on_demand: bool = ...,
         **kwargs: Any,
     ) -> None: ...

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 
 import morse.middleware
 from morse.core.classes.plugins import entry_points
+from morse.core.declarations import kinds as kinds_of
 from morse.core.declarations import says_nothing
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import closest
@@ -62,6 +63,7 @@ class Middleware:
         default_reader: the same for actuators; None if actuators cannot be commanded.
         needs_network: whether it opens connections; if not, it is used in every simulation.
         not_carried: names of component classes without streams.
+        kinds: the message kinds without which a component has no streams; empty if all components have.
         modules: Python modules of others without which it cannot connect.
         mend: how to install them, and what can be used without them; a sentence without a full stop.
         imports: Python modules that scripts import together with them.
@@ -86,6 +88,7 @@ class Middleware:
     default_reader: str | None = _KIND_STREAM
     needs_network: bool = True
     not_carried: tuple[str, ...] = ()
+    kinds: tuple[str, ...] = ()
     modules: tuple[str, ...] = ()
     mend: str = ""
     imports: tuple[str, ...] = ()
@@ -135,6 +138,8 @@ class Middleware:
         if self.stream_manager is None or says_nothing(component):
             return None
         if any(base.__name__ in self.not_carried for base in component.__mro__):
+            return None
+        if self.kinds and not any(use.kind in self.kinds for use in kinds_of(component)):
             return None
         return self.default_reader if direction == "IN" else self.default_publisher
 

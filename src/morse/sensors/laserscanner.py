@@ -147,6 +147,23 @@ class LaserScanner(Sensor):
             doc="A Hokuyo: 30 m, 270 degrees, 0.25 degrees, 10 Hz.",
         ),
         BuilderDefaults(
+            "VLP16",
+            frequency=10.0,
+            properties={
+                "laser_range": 100.0,
+                "range_min": 0.5,
+                "scan_window": 359.8,
+                "resolution": 0.2,
+                "layers": 16,
+                "layer_separation": 2.0,
+                "layer_offset": 0.0,
+            },
+            visual=Visual("cylinder", (0.1033, 0.1033, 0.0717), (0.1, 0.1, 0.1)),
+            doc="A Velodyne VLP-16: 100 m, 16 layers from 15 degrees up to 15 degrees down, all around in steps of 0.2 "
+            "degrees, 10 Hz. The whole circle is measured at once, in a frame that does not turn.",
+            source="user manual of the VLP-16 (Velodyne, 63-9243)",
+        ),
+        BuilderDefaults(
             "Infrared",
             frequency=10.0,
             properties={"laser_range": 2.0, "scan_window": 20.0, "Visible_arc": True},

@@ -1,0 +1,218 @@
+"""Receivers of NMEA 0183: a port for each GPS, and a serial line if a script wants one."""
+
+from __future__ import annotations
+
+import calendar
+import contextlib
+import errno
+import logging
+import os
+import time
+from typing import TYPE_CHECKING
+
+from morse.core.datastream import DatastreamManager
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.kinds import bind
+from morse.core.mapping import maps
+from morse.plugins.nmea import MANAGER_OPTIONS, STREAM_OPTIONS
+from morse.plugins.nmea.sentences import sentences
+from morse.wire.lines import LineClient
+from morse.wire.listener import listen, port_of
+from morse.wire.server import LineServer
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.core.kinds import Message
+    from morse.core.streams.kind_stream import KindStream
+    from morse.core.values import Options
+
+logger = logging.getLogger(__name__)
+
+_NANO = 1e-9
+#: ports that are tried after that of the first receiver
+_PORTS = 64
+
+
+class Receiver:
+    """A port, and possibly a serial line, of one GPS.
+
+    Attributes:
+        port: of TCP.
+        path: of the serial line, for programs that read it; empty for none.
+    """
+
+    def __init__(self, name: str, context: Context, ports: range, options: Options) -> None:
+        self._network = context.network
+        listener = listen(context.host, ports)
+        self.port = port_of(listener)
+        self._line, self._far, self.path = -1, -1, ""
+        try:
+            if options["device"]:
+                self._line, self._far, self.path = _serial(str(options["device"]), int(options["baud"]))
+        except BaseException:
+            listener.close()
+            raise
+        self._server = LineServer(f"nmea: {name}", listener, LineClient)
+        self._network.call(self._server.start(self._network))
+
+    @property
+    def is_read(self) -> bool:
+        """Whether a client is connected, or there is a serial line."""
+        return self._server.connected > 0 or self._line >= 0
+
+    def send(self, data: bytes) -> None:
+        """Send sentences to all clients that keep up; a full serial line drops them."""
+        if self._server.connected:
+            self._network.post(self._write, data)
+        if self._line >= 0:
+            # a pseudo-terminal that nobody reads, or a line slower than the receiver
+            with contextlib.suppress(BlockingIOError):
+                try:
+                    os.write(self._line, data)
+                except OSError as error:
+                    if error.errno != errno.EIO:
+                        raise
+
+    def _write(self, data: bytes) -> None:
+        for client in list(self._server.clients):
+            if not client.congested:
+                client.transport.write(data)
+
+    def close(self) -> None:
+        """Disconnect all clients and close the line."""
+        self._network.call(self._server.close())
+        for descriptor in (self._line, self._far):
+            if descriptor >= 0:
+                os.close(descriptor)
+        self._line = self._far = -1
+
+
+def _serial(device: str, baud: int) -> tuple[int, int, str]:
+    """Open a serial line without echo or conversions of line ends; `device` may be ``pty``.
+
+    Returns:
+        The descriptor to write to, the other end of a pseudo-terminal, which stays open so that readers may come and
+        go, or -1, and the path.
+
+    Raises:
+        MorseMiddlewareError: it cannot be opened, or is no serial line.
+    """
+    try:
+        import termios
+        import tty
+    except ImportError:
+        raise MorseMiddlewareError("nmea: serial lines need Linux or macOS; TCP works everywhere") from None
+    far = -1
+    try:
+        if device == "pty":
+            line, far = os.openpty()
+            device, own = os.ttyname(far), far
+        else:
+            line = own = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError as error:
+        raise MorseMiddlewareError(f"nmea: the device '{device:.200}' cannot be opened: {error.strerror}") from None
+    try:
+        os.set_blocking(line, False)
+        tty.setraw(own)
+        rate = getattr(termios, f"B{baud}", None)
+        if rate is None:
+            raise MorseMiddlewareError(f"nmea: serial lines do not have the rate baud={baud}; usual are 4800 and 38400")
+        settings = termios.tcgetattr(own)
+        settings[4] = settings[5] = rate
+        termios.tcsetattr(own, termios.TCSANOW, settings)
+    except (termios.error, OSError):
+        os.close(line)
+        raise MorseMiddlewareError(
+            f"nmea: '{device:.200}' is no serial line; expected a device such as /dev/ttyUSB0, or 'pty'"
+        ) from None
+    except MorseMiddlewareError:
+        for descriptor in (line, far):
+            if descriptor >= 0:
+                os.close(descriptor)
+        raise
+    return line, far, device
+
+
+class NmeaManager(DatastreamManager):
+    """GGA, RMC and VTG of each GPS, on a port of its own.
+
+    The sentences have the time of the simulation, as UTC. Altitudes are those above the ellipsoid.
+    """
+
+    manager_options = MANAGER_OPTIONS
+    stream_options = STREAM_OPTIONS
+
+    def __init__(self, options: Options, context: Context) -> None:
+        super().__init__(options, context)
+        #: by name of the component
+        self.receivers: dict[str, Receiver] = {}
+
+    def opened(self, stream: KindStream) -> None:
+        """Open the receiver of a component.
+
+        Raises:
+            MorseMiddlewareError: the component has no position on the earth, or a port or device is not to be had.
+        """
+        name = stream.component_name
+        if not any(bound.kind.name == "fix" for bound in bind(stream.component_instance)):
+            raise MorseMiddlewareError(
+                f"nmea: {name} has no position on the earth: it takes a GPS, and env.properties(longitude=..., "
+                "latitude=..., altitude=...)"
+            )
+        if name in self.receivers:
+            return
+        options = {key: stream.kwargs.get(key, option.default) for key, option in STREAM_OPTIONS.items()}
+        if options["port"] is not None:
+            ports = range(int(options["port"]), int(options["port"]) + 1)
+        elif self.options["port"] == 0:
+            ports = range(1)
+        else:
+            first = int(self.options["port"])
+            ports = range(first, min(first + _PORTS, 65536))
+        receiver = self.receivers[name] = Receiver(name, self.context, ports, options)
+        line = f" and on {receiver.path}" if receiver.path else ""
+        logger.info("nmea: %s sends NMEA 0183 on port %d%s", name, receiver.port, line)
+
+    def left(self, name: str) -> None:
+        """Close the receiver of a component that is deleted."""
+        if receiver := self.receivers.pop(name, None):
+            receiver.close()
+
+    def wanted(self, stream: KindStream, topic: str) -> bool:
+        """Whether anybody may read the sentences."""
+        receiver = self.receivers.get(stream.component_name)
+        return receiver is not None and receiver.is_read
+
+    @maps("general")
+    def general(self, stream: KindStream, message: Message) -> None:
+        """Nothing: other kinds of a component with a position on the earth have no sentences."""
+
+    @maps("fix")
+    def fix(self, stream: KindStream, message: Message) -> bytes:
+        """The sentences of a position on the earth."""
+        slots = message.slots
+        velocity, utc = slots.get("velocity"), slots.get("utc")
+        seconds = message.stamp * _NANO
+        if utc:
+            # the date; the time is finer in the stamp
+            seconds = calendar.timegm(time.strptime(utc, "%Y-%m-%dT%H:%M:%SZ")) + seconds % 1.0
+        return sentences(
+            str(stream.kwargs.get("talker", "GP"))[:2],
+            seconds,
+            float(slots["longitude"]),
+            float(slots["latitude"]),
+            float(slots["altitude"]),
+            None if velocity is None else (float(velocity[0]), float(velocity[1]), float(velocity[2])),
+        )
+
+    def send(self, stream: KindStream, payload: bytes) -> None:
+        """Send the sentences of a measurement."""
+        receiver = self.receivers.get(stream.component_name)
+        if receiver is not None:
+            receiver.send(payload)
+
+    def finalize(self) -> None:
+        """Close all receivers."""
+        super().finalize()
+        for name in list(self.receivers):
+            self.left(name)
