@@ -142,7 +142,7 @@ def test_a_pseudo_terminal_is_a_serial_line(gps) -> None:
         assert fields_of(os.read(line, 4096).splitlines(True)[0])[0] == "GPGGA"
     finally:
         os.close(line)
-    simulation.step(3000)  # more than fits into the line: nobody reads it any more
+    simulation.step(600)  # more than fits into the line: nobody reads it any more
     assert simulation.failures == ()
 
 
@@ -174,12 +174,12 @@ def test_clients_that_never_read_and_many_of_them_cost_the_simulation_nothing(gp
             client.connect(("127.0.0.1", receiver.port))
             return client
 
-        for number in range(300):
+        for number in range(120):
             client = connected()
             with contextlib.suppress(OSError):
                 client.sendall([b"", b"GET / HTTP/1.1\r\n\r\n", b"\x00" * 5000, b"$PMTK000*32\r\n"][number % 4])
         waited(lambda: receiver.is_read)
-        simulation.step(3000)
+        simulation.step(600)
         reader = connected()
         reader.setblocking(False)
         got, end = b"", time.monotonic() + 60.0
