@@ -7,6 +7,8 @@ component library that are missing, and its pages. With the names of components,
 
 ``python -m tools validation``: docs/validation.md, which compares the models with formulas, standards and data sheets.
 
+``python -m tools reach FOLDER...``: tries the robots and worlds in folders of others: what loads, stands and drives.
+
 ``python -m tools release [FOLDER]``: the source distribution and the wheels of all platforms, verified.
 
 ``python -m tools rehearse [FOLDER]``: the same, then an installation from a local index, a demo and the documentation.
@@ -49,6 +51,10 @@ def main(arguments: list[str]) -> int:
         from tools import compatibility
 
         return compatibility.main(names)
+    if part == "reach":
+        from tools import reach
+
+        return reach.main(names)
     if part == "oracles" and not names:
         from tools import oracles
 

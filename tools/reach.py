@@ -1,0 +1,352 @@
+"""Tries robots and worlds of others: what loads, stands or holds, and drives.
+
+``python -m tools reach FOLDER... [--json FILE] [--md FILE] [--only PART] [--each NUMBER]``: every URDF, xacro, SDF and
+MJCF file below the folders, each in a process of its own, with a line of output for each. ``--only`` takes files whose
+path contains the text; ``--each 3`` takes every third file.
+
+A model is compared with what MuJoCo's own parser makes of the same file: of an MJCF file all, of a URDF file the joints
+and masses (its shapes are left out, since that parser reads few meshes).
+
+| column | |
+|---|---|
+| loads | `Robot(FILE)` or `Environment(FILE)` gives a simulation |
+| joints, mass | number of moving joints, and mass, in the other engine and here |
+| places | largest distance of a joint from its place in the other engine, with all joints at 0, m |
+| rests | no body is faster than 0.05 m/s between 2.5 and 3 s: it stands or holds, with its motors at the start |
+| drives | m of 1.2 m in 4 s at 0.3 m/s, and rad of 1 rad in 2 s at 0.5 rad/s, from rest, by the wheels of the file; in a
+  world, m in 4 s of an ATRV that is told to drive at 0.5 m/s, from the best of five places |
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+SUFFIXES = (".urdf", ".xacro", ".sdf", ".world", ".xml")
+_LONGEST = 240.0
+_RESTING = 0.05
+_PLACES = ((0.0, 0.0), (2.0, 0.0), (-2.0, 0.0), (0.0, 2.0), (3.0, -3.0))
+_MARK = "reach: "
+
+Row = dict[str, Any]
+
+
+def kind_of(path: Path) -> str:
+    """What a file is: ``urdf``, ``mjcf``, ``sdf``, ``world``, or empty for anything else."""
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+        root = ET.fromstring(re.sub(r"^\s*(<\?xml[^>]*\?>)?", "", text)).tag
+    except (ET.ParseError, OSError):
+        return ""
+    if root == "mujoco":
+        return "mjcf" if re.search(r"<body[\s>]", text) and re.search(r"<(free)?joint[\s/>]", text) else ""
+    if root == "robot":
+        # a file of macros is no robot
+        links = "<link" in re.sub(r"<xacro:macro.*?</xacro:macro>", "", text, flags=re.S)
+        return "urdf" if path.suffix in (".urdf", ".xacro") and links else ""
+    if root == "sdf":
+        return "world" if "<world" in text else "sdf"
+    return ""
+
+
+def files_of(folders: list[Path]) -> list[tuple[str, Path]]:
+    """The models and worlds below some folders; files that others include are parts of these."""
+    found = (path for folder in folders for path in (sorted(folder.rglob("*")) if folder.is_dir() else [folder]))
+    files = [path for path in found if path.suffix in SUFFIXES]
+    parts = {
+        name.rpartition("/")[2]
+        for path in files
+        if path.suffix in (".xacro", ".xml")
+        for name in re.findall(
+            r"<(?:xacro:)?include\s[^>]*?file(?:name)?=[\"']([^\"']+)", path.read_text("utf-8", "replace")
+        )
+    }
+    return [(kind, path) for path in files if path.name not in parts and (kind := kind_of(path))]
+
+
+# -- one file, in a process of its own ---------------------------------------------------------------------------------
+
+
+def measured(kind: str, path: Path) -> Row:
+    """Try one file."""
+    row: Row = {"file": str(path), "kind": kind}
+    other = _other_engine(kind, path)
+    if isinstance(other, str):
+        row["other"] = other
+    else:
+        row |= _facts(other)
+    try:
+        row |= _world(path) if kind == "world" else _robot(path, other)
+        row["loads"] = True
+    except Exception as error:
+        row["loads"], row["error"] = False, str(error).splitlines()[0][:300] if str(error) else repr(error)
+    return row
+
+
+def _other_engine(kind: str, path: Path) -> Any:
+    """The model that MuJoCo's own parser makes of a file, or why it makes none."""
+    import mujoco
+
+    try:
+        if kind == "mjcf":
+            return mujoco.MjModel.from_xml_path(str(path))
+        if kind == "urdf" and path.suffix == ".urdf":
+            root = ET.fromstring(
+                re.sub(r"^\s*(<\?xml[^>]*\?>)?", "", path.read_text(encoding="utf-8", errors="replace"))
+            )
+            for link in root.iter("link"):
+                for part in [*link.findall("visual"), *link.findall("collision")]:
+                    link.remove(part)
+            for name in ("gazebo", "transmission", "ros2_control", "material", "mujoco"):
+                for part in root.findall(name):
+                    root.remove(part)
+            root.append(
+                ET.fromstring('<mujoco><compiler balanceinertia="true" boundmass="1e-6" boundinertia="1e-9"/></mujoco>')
+            )
+            return mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
+    except (ValueError, ET.ParseError, OSError) as error:
+        return str(error).splitlines()[0][:200]
+    return "not read by another engine"
+
+
+def _facts(model: Any) -> Row:
+    free = sum(1 for kind in model.jnt_type.tolist() if kind == 0)
+    return {"joints": model.njnt - free, "mass": round(float(model.body_mass.sum()), 6)}
+
+
+def _robot(path: Path, other: Any) -> Row:
+    import mujoco
+
+    import morse
+
+    def scene() -> None:
+        from morse.builder import Environment, MotionVWDiff, Pose, Robot
+
+        robot = Robot(str(path))
+        if drive and "motion" not in robot.actuators:
+            robot.append(MotionVWDiff("motion"))
+        robot.append(Pose("spot"))
+        Environment("empty", fastmode=True)
+
+    row: Row = {}
+    drive = False
+    with morse.load(scene) as sim:
+        world = sim.world
+        row["joints_here"] = sum(1 for node in world.scene.nodes() for bone in node.bones if bone.kind != "fixed")
+        row["mass_here"] = round(float(world.model.body_mass.sum()), 6)
+        if not isinstance(other, str):
+            row["places"] = _apart(world.model, other)
+        sim.step(150)
+        before = world.data.xpos.copy()
+        sim.step(30)
+        mujoco.mj_kinematics(world.model, world.data)
+        speed = float(abs(world.data.xpos - before).max()) / 0.5
+        row["rests"] = math.isfinite(speed) and speed < _RESTING
+        row["failures"] = [str(one)[:200] for one in sim.failures]
+    if not isinstance(other, str) and other.nq and not str(path).endswith(".urdf"):
+        data = mujoco.MjData(other)
+        mujoco.mj_step(other, data, int(2.5 / other.opt.timestep))
+        before = data.xpos.copy()
+        mujoco.mj_step(other, data, int(0.5 / other.opt.timestep))
+        row["rests_there"] = bool(abs(data.xpos - before).max() / 0.5 < _RESTING)
+    drive = True
+    try:
+        with morse.load(scene) as sim:
+            row["drives"] = _driven(sim)
+    except Exception as error:
+        if "has no wheels to drive" not in str(error):
+            row["drives_not"] = str(error).splitlines()[0][:200]
+    return row
+
+
+def _apart(here: Any, other: Any) -> float | None:
+    """The largest distance of joints of the same names, with all joints at 0, from the first of them, m."""
+    import mujoco
+    import numpy as np
+
+    anchors = []
+    for model in (here, other):
+        data = mujoco.MjData(model)
+        for joint in range(model.njnt):
+            if model.jnt_type[joint] >= 2:
+                data.qpos[model.jnt_qposadr[joint]] = 0.0
+        mujoco.mj_kinematics(model, data)
+        names = [model.joint(joint).name.rpartition("/")[2] for joint in range(model.njnt)]
+        anchors.append({
+            name: (data.xanchor[i].copy(), data.xmat[model.body_rootid[model.jnt_bodyid[i]]].reshape(3, 3).copy())
+            for i, name in enumerate(names) if name and model.jnt_type[i] >= 2
+        })  # fmt: skip
+    both = [name for name in anchors[1] if name in anchors[0]]
+    if not both:
+        return None
+    places = [
+        np.array([(found[name][0] - found[both[0]][0]) @ found[both[0]][1] for name in both]) for found in anchors
+    ]
+    return float(abs(places[0] - places[1]).max())
+
+
+def _driven(sim: Any) -> list[float]:
+    """Distance, m, and angle, rad."""
+    robot = sim.robot
+    motion = robot.motion
+    sim.step(60)
+    start = robot.spot.get()
+    motion.publish({"v": 0.3, "w": 0.0})
+    sim.step(240)
+    end = robot.spot.get()
+    motion.publish({"v": 0.0, "w": 0.0})
+    sim.step(60)
+    yaw = robot.spot.get()["yaw"]
+    motion.publish({"v": 0.0, "w": 0.5})
+    sim.step(120)
+    turned = math.remainder(robot.spot.get()["yaw"] - yaw, math.tau)
+    return [round(math.hypot(end["x"] - start["x"], end["y"] - start["y"]), 3), round(turned, 3)]
+
+
+def _world(path: Path) -> Row:
+    import morse
+
+    best, error = 0.0, None
+    for x, y in _PLACES:
+
+        def scene(x: float = x, y: float = y) -> None:
+            from morse.builder import ATRV, Environment, MotionVW, Pose
+
+            robot = ATRV()
+            robot.translate(x=x, y=y, z=0.1)
+            robot.append(MotionVW("motion"))
+            robot.append(Pose("spot"))
+            Environment(str(path), fastmode=True)
+
+        try:
+            with morse.load(scene) as sim:
+                sim.step(60)
+                start = sim.robot.spot.get()
+                sim.robot.motion.publish({"v": 0.5, "w": 0.0})
+                sim.step(240)
+                end = sim.robot.spot.get()
+        except Exception as raised:
+            error = raised
+            break
+        if end["z"] > start["z"] - 1.0 and abs(end["z"]) < 100.0:
+            best = max(best, math.hypot(end["x"] - start["x"], end["y"] - start["y"]))
+        if best > 1.0:
+            break
+    if error is not None:
+        raise error
+    return {"drives": [round(best, 3)]}
+
+
+# -- all files ---------------------------------------------------------------------------------------------------------
+
+
+def tried(kind: str, path: Path) -> Row:
+    """Try one file in a process of its own."""
+    command = [sys.executable, "-m", "tools.reach", kind, str(path)]
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_LONGEST, cwd=Path(__file__).parents[1], check=False
+        )
+    except subprocess.TimeoutExpired:
+        return {"file": str(path), "kind": kind, "loads": False, "error": f"takes more than {_LONGEST:g} s"}
+    lines = [line for line in done.stdout.splitlines() if line.startswith(_MARK)]
+    if not lines:
+        return {
+            "file": str(path),
+            "kind": kind,
+            "loads": False,
+            "error": f"the process ended with status {done.returncode}",
+        }
+    row: Row = json.loads(lines[-1].removeprefix(_MARK))
+    return row
+
+
+def judged(row: Row) -> Row:
+    """The answers to the questions of the table: True, False, or None for those that do not apply."""
+    loads = bool(row.get("loads"))
+    sound = loads or "joints" in row or row["kind"] in ("sdf", "world")
+    same = None
+    if loads and "joints" in row:
+        heavy = row["kind"] != "urdf" and row["mass"] > 0.0
+        same = row["joints_here"] >= row["joints"] and (row.get("places") or 0.0) < 1e-6
+        same = same and (not heavy or math.isclose(row["mass_here"], row["mass"], rel_tol=1e-3, abs_tol=1e-3))
+    stands = (
+        (row["rests"] == row["rests_there"] if "rests_there" in row else row["rests"])
+        if loads and "rests" in row
+        else None
+    )
+    drives: bool | None = None
+    if loads and row["kind"] == "world":
+        drives = row["drives"][0] > 1.0
+    elif loads and "drives" in row:
+        distance, turned = row["drives"]
+        drives = abs(distance - 1.2) <= 0.024 and abs(turned - 1.0) <= 0.05
+    return {"sound": sound, "loads": loads, "same": same, "stands": stands, "drives": drives}
+
+
+def table(rows: list[Row], folders: list[Path]) -> str:
+    """The table of the groups of files, by the folder in which they are, in Markdown."""
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        path = Path(row["file"])
+        base = next((folder for folder in folders if path.is_relative_to(folder)), path.parent)
+        parts = path.relative_to(base).parts
+        groups.setdefault((parts[0] if len(parts) > 1 else base.name, row["kind"]), []).append(row)
+    lines = [
+        "| files | kind | number | loads | as the other engine | stands or holds | drives |",
+        "|---|---|--:|--:|--:|--:|--:|",
+    ]
+    total: dict[str, list[bool]] = {}
+    for (name, kind), members in sorted(groups.items()):
+        answers = [judged(row) for row in members]
+        cells = []
+        for question in ("loads", "same", "stands", "drives"):
+            values = [
+                one[question] for one in answers if one[question] is not None and (question != "loads" or one["sound"])
+            ]
+            total.setdefault(question, []).extend(values)
+            cells.append(f"{sum(values)} of {len(values)}" if values else "")
+        lines.append(f"| {name} | {kind} | {len(members)} | {' | '.join(cells)} |")
+    cells = [f"{sum(values)} of {len(values)}" for values in total.values()]
+    return "\n".join([*lines, f"| all | | {len(rows)} | {' | '.join(cells)} |", ""])
+
+
+def main(arguments: list[str]) -> int:
+    """Run the command; the result is the status of the process."""
+    options = {"--json": "", "--md": "", "--only": "", "--each": "1"}
+    folders = []
+    words = iter(arguments)
+    for word in words:
+        if word in options:
+            options[word] = next(words, "")
+        else:
+            folders.append(Path(word).resolve())
+    if not folders:
+        print(__doc__, file=sys.stderr)
+        return 2
+    files = [(kind, path) for kind, path in files_of(folders) if options["--only"] in str(path)][
+        :: int(options["--each"])
+    ]
+    rows = []
+    with ThreadPoolExecutor(2) as pool:
+        for row in pool.map(lambda one: tried(*one), files):
+            rows.append(row)
+            print(json.dumps(row | {"answers": judged(row)}), flush=True)
+    if options["--json"]:
+        Path(options["--json"]).write_text(json.dumps(rows, indent=1), encoding="utf-8")
+    text = table(rows, folders)
+    if options["--md"]:
+        Path(options["--md"]).write_text(text, encoding="utf-8")
+    print(text)
+    return 0
+
+
+if __name__ == "__main__":
+    print(_MARK + json.dumps(measured(sys.argv[1], Path(sys.argv[2]))))
