@@ -127,8 +127,10 @@ def driven_wheels(wheels: Sequence[JointWheel]) -> tuple[list[JointWheel], list[
     axles = [one for one in wheels if one.is_driven and abs(one.along) > _ALONG and one.radius > 0.0]
     if not axles:
         return [], []
-    # rollers, and rotors above the ground, are no wheels
-    lowest = min(one.z - one.radius for one in axles)
+    # rollers, rotors above the ground, and motors above the shanks of legs are no wheels
+    lowest = min(
+        one.z - one.radius for one in wheels if one.is_endless and abs(one.along) > _ALONG and one.radius > 0.0
+    )
     largest = max(one.radius for one in axles)
     axles = [one for one in axles if one.z - one.radius < lowest + _ABOVE * one.radius and one.radius > 0.5 * largest]
     middle = 0.5 * (max(one.y for one in axles) + min(one.y for one in axles))
