@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import socket
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +12,8 @@ import pytest
 import morse
 from morse.many import Batch
 from morse.physics.rays import RayBundle
+from morse.wire.listener import port_of
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -190,3 +194,33 @@ def test_noise_is_that_of_the_file_for_who_reads_now(tmp_path: Path) -> None:
         hits = near[near < 30.0]
         assert len(hits)
         assert np.std(hits - hits.mean()) > 1e-3
+
+
+@pytest.mark.parametrize("name", ["eye", "lidar"])
+def test_a_sensor_with_a_delay_measures_all_the_time(tmp_path: Path, name: str) -> None:
+    scene = write(tmp_path, "urdf")
+    scene.write_text(scene.read_text().replace("env =", f"robot.sensors[{name!r}].delay(0.05)\nenv =", 1))
+    with morse.load(scene) as sim:
+        sim.step(12)
+        # what was measured in tick 7 was published in tick 10
+        assert getattr(sim.robot, name).data["timestamp"] == pytest.approx(7 / 60)
+
+
+def test_a_stream_costs_nothing_until_a_client_reads_it(tmp_path: Path, costs: Costs) -> None:
+    with morse.load(write(tmp_path, "urdf"), interfaces=["socket"]) as sim:
+        sim.step(30)
+        assert costs.all == (0, 0)
+        manager = next(one for one in sim.context.stream_managers.values() if hasattr(one, "_servers"))
+        stream = sim.context.component("robot.lidar").output_functions[0].__self__
+        with socket.create_connection(("127.0.0.1", port_of(manager._servers["robot.lidar"]._listener))) as client:
+            client.settimeout(60)
+            wait_until(lambda: bool(stream.waiting))
+            sim.step(6)
+            message = json.loads(client.makefile().readline())
+            assert 0.5 < message["timestamp"] <= 0.6
+            assert message["range_list"][2] == pytest.approx(9.5, abs=0.01)
+        wait_until(lambda: not stream.waiting)
+        before = costs.all
+        sim.step(30)
+        assert costs.all == before
+        assert costs.drawn == 0

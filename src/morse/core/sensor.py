@@ -142,9 +142,9 @@ class Sensor(Object):
 
     def is_wanted(self) -> bool:
         """Whether somebody reads the data: a stream with a reader, a page, a program; always, unless `on_demand`."""
-        if not self.on_demand or self._is_read or self.watched:
-            return True
-        if isinstance(self._in_rows, OnDemand) and self._in_rows.is_asked:
+        entry = self._in_rows
+        # what nothing holds may be read by anybody
+        if not self.on_demand or self._is_read or self.watched or not isinstance(entry, OnDemand) or entry.is_asked:
             return True
         return any((sign := waiting(function)) is None or bool(sign) for function in self.output_functions)
 
