@@ -312,9 +312,11 @@ class Forms:
 
     def frame(self, compression: str) -> str | bytes:
         """The message in one of `COMPRESSIONS`."""
-        frames: Mapping[str, str] = {"none": "_text", "png": "_png", "cbor": "_cbor", "cbor-raw": "_raw"}
-        frame: str | bytes = getattr(self, frames[compression])
-        return frame
+        if compression == "png":
+            return self._png
+        if compression == "cbor":
+            return self._cbor
+        return self._raw if compression == "cbor-raw" else self._text
 
     @cached_property
     def _message(self) -> RosMessage:

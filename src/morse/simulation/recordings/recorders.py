@@ -30,7 +30,6 @@ from morse.recording.inputs import TYPE as INPUTS_TYPE
 from morse.recording.inputs import as_message
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
-from morse.recording.recorder import BEGINNING, END, FORMAT, MEDIA_TYPE, PRESENT, Beginning, Recorder
 from morse.rosmsgs.definitions import definition
 from morse.simulation.recordings.input_recording import entry_to_bytes, kept, waiting_to_bytes
 from morse.simulation.states.saving import InputsState
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
     from io import FileIO
 
     from morse.core.journal import Entry
+    from morse.recording.recorder import Beginning, Recorder
     from morse.simulation.simulation import Simulation
     from morse.simulation.states.state import State
 
@@ -62,6 +62,9 @@ def start_recording(
     Raises:
         RecordingError: the file exists or cannot be written, or there is no such sensor.
     """
+    # the messages of recordings are loaded when a simulation records
+    from morse.recording.recorder import Recorder
+
     sensor_names = [component.name for component in simulation.scene.components if component.kind == "sensor"]
     for name in sensors or ():
         if name not in sensor_names:
@@ -102,6 +105,8 @@ def write_inputs(
     Raises:
         OSError: the file cannot be written.
     """
+    from morse.recording.recorder import BEGINNING, END, FORMAT, MEDIA_TYPE, PRESENT
+
     beginning = _beginning(simulation, ())
     writer = McapWriter(file)
     writer.metadata(
@@ -137,6 +142,8 @@ def machine_facts() -> dict[str, str]:
 
 
 def _beginning(simulation: Simulation, sensors: Sequence[str] | None) -> Beginning:
+    from morse.recording.recorder import Beginning
+
     options, project = simulation.options, simulation.scene.project
     facts = {
         "morse": __version__,
