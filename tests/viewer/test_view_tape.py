@@ -16,7 +16,7 @@ import pytest
 
 import morse as simulator
 from morse.cli.app import execute
-from morse.viewer.exported_page import Tape, page_of
+from morse.viewer.exported_page import PageRecording, page_of
 from morse.viewer.view_messages import History, Picture, Values
 from tests.waiting import wait_until
 
@@ -126,7 +126,7 @@ def test_the_slider_is_as_wide_as_a_telephone(folder: Path, browser: Any) -> Non
 
 
 def test_numbers_keep_what_a_run_resolves() -> None:
-    tape = Tape("run")
+    tape = PageRecording("run")
     values = {"utm": 4831234.5671234, "latitude": 43.604261234567, "x": 1.23456789012345, "fine": 1.25e-7}
     tape.time = 1790000000.0166667
     tape.send(Values("pose", tape.time, values))
@@ -193,7 +193,7 @@ def test_a_part_of_the_run(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_images_give_way_when_the_page_grows() -> None:
-    tape, random = Tape("run"), Random(1)
+    tape, random = PageRecording("run"), Random(1)
     for number in range(100):
         tape.time = number / 10
         tape.send(Picture(random.randbytes(1000), "eye", 10, 10, "image/jpeg", tape.time))

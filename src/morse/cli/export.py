@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _FASTEST, _LONGEST = 1000.0, 1e6
 
 
-class Filmed(NamedTuple):
+class FilmOptions(NamedTuple):
     """The content of a film.
 
     Attributes:
@@ -77,7 +77,7 @@ def check_span(begin: float, length: float | None) -> None:
 
 
 def write_film(
-    recording: Recording, path: Path, what: Filmed, scene: str, *, trust: bool, projects: Sequence[str] = ()
+    recording: Recording, path: Path, what: FilmOptions, scene: str, *, trust: bool, projects: Sequence[str] = ()
 ) -> None:
     """Write a film of a recorded run, from its recorded poses or, without them, from a simulation of its inputs.
 
@@ -157,13 +157,13 @@ def write_page(
         ValueError: the recording ends before the run that is shown.
     """
     from morse.launch.recorded_run import timeline_of
-    from morse.viewer.exported_page import Span, page_of, wind
+    from morse.viewer.exported_page import Span, page_of, page_recording_of
     from morse.viewer.live_view import title_of
 
     with contextlib.ExitStack() as stack:
         simulation, timeline = timeline_of(recording, stack, scene, say, trust=trust, projects=projects)
         title = title_of(recording.facts.get("script", ""), simulation.scene.environment)
-        text = page_of(wind(simulation, timeline, recording, title, Span(*span)), title)
+        text = page_of(page_recording_of(simulation, timeline, recording, title, Span(*span)), title)
     path.write_text(text, encoding="utf-8", newline="\n")
     say(f"{path}: {len(text.encode()) / 1e6:.1f} MB. Open it in a browser; it needs nothing else.")
 
@@ -339,7 +339,7 @@ def command(
             html,
         )
     if film:
-        what = Filmed(
+        what = FilmOptions(
             camera,
             (place_of(origin, "--from"), place_of(target, "--at")),
             size_of(size),
@@ -396,7 +396,7 @@ def _check_default(path: Path) -> None:
         raise CommandError(f"-o: {error}.") from None
 
 
-def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:
+def _film(file: str, path: Path, what: FilmOptions, scene: str, trust: bool) -> int:
     from morse.rendering import picture_files
 
     what.check()

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.journal import Entry, Journal
-    from morse.recording.streams import Tape
+    from morse.recording.streams import TopicFile
 
 TOPIC = "/morse/inputs"
 TYPE = "std_msgs/msg/String"
@@ -52,16 +52,16 @@ class Inputs:
 
     Args:
         journal: the journal of the simulation.
-        tape: receives the messages.
+        topic_file: receives the messages.
         pack: encodes an entry as bytes; raises ValueError for values without a representation.
 
     Attributes:
         count: number of recorded inputs.
     """
 
-    def __init__(self, journal: Journal, tape: Tape, pack: Callable[[Entry], bytes]) -> None:
+    def __init__(self, journal: Journal, topic_file: TopicFile, pack: Callable[[Entry], bytes]) -> None:
         self._journal, self._pack = journal, pack
-        self._topic = tape.topic(TOPIC, TYPE, Qos(1000))
+        self._topic = topic_file.topic(TOPIC, TYPE, Qos(1000))
         self.count = 0
         journal.sinks.append(self._take)
 

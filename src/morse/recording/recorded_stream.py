@@ -49,7 +49,7 @@ class RecordedStream(TopicStream):
         super().initialize()
         component = self.component_instance
         #: None: messages are encoded in the tick
-        self._tape = tape = self.manager.tape
+        self._topic_file = topic_file = self.manager.topic_file
         self._clock = component.clock
         self._keeper: Keeper = self.manager.keeper
         #: by names of the fields and types of their values
@@ -57,9 +57,9 @@ class RecordedStream(TopicStream):
         self._choices: dict[_Key, tuple[str, ...]] = {}
         topic = f"{FIELDS}/{cleaned(self.component_name)}"
         self._fields = 0
-        if tape is not None:
-            self._fields = tape.topic(topic, FIELDS_TYPE, Qos(100), described(component)).number
-            tape.kept.append(self)
+        if topic_file is not None:
+            self._fields = topic_file.topic(topic, FIELDS_TYPE, Qos(100), described(component)).number
+            topic_file.kept.append(self)
         #: rows of the data that were kept with those of other sensors
         self._together: list[Rows] = []
         self._lines_with_numbers = [
@@ -105,8 +105,8 @@ class RecordedStream(TopicStream):
 
     def default(self, ci: Object | None = None) -> bool:
         """Keep the present data."""
-        tape = self._tape
-        if tape is None:
+        topic_file = self._topic_file
+        if topic_file is None:
             return super().default(ci)
         component = self.component_instance
         if isinstance(component, Sensor) and component.capturing is False:
@@ -119,7 +119,7 @@ class RecordedStream(TopicStream):
         form = self._layouts.get(key)
         if form is None:
             form = self._layouts[key] = self._form(*key)
-        tape.held += form[0].keep(self._clock.tick, values)
+        topic_file.held += form[0].keep(self._clock.tick, values)
         for bound in self.kinds:
             if self.moves(bound.topic):
                 self.manager.transforms.moved(self, self.motion(bound.gather()).pose)

@@ -16,7 +16,7 @@ from morse.recording.errors import RecordingError
 from morse.recording.inputs import Inputs
 from morse.recording.made.writing import MadeObjects
 from morse.recording.mcap.writer import McapWriter
-from morse.recording.streams import RecordedStreams, Tape
+from morse.recording.streams import RecordedStreams, TopicFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -109,17 +109,17 @@ class Recorder(Observer):
         disk.other(lambda file: file.metadata(BEGINNING, {FORMAT: str(PRESENT), **beginning.facts}))
         for name, data in beginning.files.items():
             disk.other(partial(McapWriter.attachment, name=name, media_type=MEDIA_TYPE, data=data))
-        self._tape = Tape(context, disk)
-        self._inputs = Inputs(context.journal, self._tape, beginning.pack)
+        self._topic_file = TopicFile(context, disk)
+        self._inputs = Inputs(context.journal, self._topic_file, beginning.pack)
         self._objects = MadeObjects(
-            self._tape,
+            self._topic_file,
             disk,
             beginning.made,
             lambda: self._inputs.count,
             beginning.scene,
             ChainMap(context.robots, context.components, context.external_robots),
         )
-        self._streams = RecordedStreams(context, self._tape, sensors)
+        self._streams = RecordedStreams(context, self._topic_file, sensors)
 
     @property
     def running(self) -> bool:
@@ -140,7 +140,7 @@ class Recorder(Observer):
             self._last_flush = tick
             self._ticks += 1
             self._streams.flush()
-            self._tape.end_tick()
+            self._topic_file.end_tick()
         disk = self._disk
         if disk.waits and not self._has_warned:
             self._has_warned = True
@@ -169,7 +169,7 @@ class Recorder(Observer):
         if not self._open:
             return
         self._streams.write_log()
-        self._tape.finish()
+        self._topic_file.finish()
         ending = {**self._ending(), "ticks": str(self._ticks)}
         self._disk.other(lambda file: file.metadata(END, ending))
         self._let_go()

@@ -76,7 +76,7 @@ class Kept(Protocol):
         """See `RecordedStream.batches`."""
 
 
-class Tape(Backend):
+class TopicFile(Backend):
     """Topics that are written to a file, with the time of the simulation.
 
     Args:
@@ -207,35 +207,35 @@ class RecordedStreams(TopicManager):
 
     Args:
         context: of the simulation.
-        tape: receives the messages.
+        topic_file: receives the messages.
         names: names of the recorded sensors; None for all, empty for only inputs and the log.
     """
 
     classpath = "morse.recording.streams.RecordedStreams"
     title = "recording"
 
-    def __init__(self, context: Context, tape: Backend, names: Collection[str] | None = None) -> None:
-        self._backend = tape
+    def __init__(self, context: Context, topic_file: Backend, names: Collection[str] | None = None) -> None:
+        self._backend = topic_file
         #: None: messages are encoded in the tick
-        self.tape = tape if isinstance(tape, Tape) else None
+        self.topic_file = topic_file if isinstance(topic_file, TopicFile) else None
         self._names = names
         self._refusals: set[str] = set()
         self.keeper = Keeper()
         #: keeps the data of sensors that measure on read; None if messages are encoded in the tick
-        self.rows = None if self.tape is None else KeptRows(context, self.tape)
+        self.rows = None if self.topic_file is None else KeptRows(context, self.topic_file)
         options = context.scene.manager_options.get(ROS2_MANAGER, {})
         super().__init__(
             {**{name: options[name] for name in options if name in TOPIC_OPTIONS and name != _RATE}, **_ALWAYS}, context
         )
         records_sensors = names is None or bool(names)
         #: the poses of all moving nodes; None for only inputs and the log
-        self.motion = Motion(context, tape) if records_sensors else None
+        self.motion = Motion(context, topic_file) if records_sensors else None
         #: keeps poses for the file; None if messages are encoded in the tick
         self._poses: KeptPoses | None = None
-        if self.tape is not None and self.motion is not None:
+        if self.topic_file is not None and self.motion is not None:
             clock, frames = (getattr(one, "number", -1) for one in (self._clock, self._tf))
-            self._poses = KeptPoses(context, self.tape, self.transforms, self.motion, clock, frames)
-            self.tape.kept.append(self._poses)
+            self._poses = KeptPoses(context, self.topic_file, self.transforms, self.motion, clock, frames)
+            self.topic_file.kept.append(self._poses)
         self.follow()
 
     def _make_backend(self) -> Backend:
@@ -243,9 +243,9 @@ class RecordedStreams(TopicManager):
 
     def follow(self) -> None:
         """Record the present sensors, and no others."""
-        if self.tape is not None:
-            self.tape.follow_clock()
-            self.tape.finish()
+        if self.topic_file is not None:
+            self.topic_file.follow_clock()
+            self.topic_file.finish()
         if self._poses is not None:
             self._poses.follow()
         if self.motion is not None:
@@ -288,8 +288,8 @@ class RecordedStreams(TopicManager):
     def closed(self, stream: Any) -> None:
         """See `TopicManager.closed`; what the stream has kept was written before."""
         super().closed(stream)
-        if self.tape is not None and stream in self.tape.kept:
-            self.tape.kept.remove(stream)
+        if self.topic_file is not None and stream in self.topic_file.kept:
+            self.topic_file.kept.remove(stream)
         if self.rows is not None:
             self.rows.remove(stream)
 

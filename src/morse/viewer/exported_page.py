@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from morse.viewer.view_messages import ServerMessage
 
 
-# The page of the live view with a tape in it, as one file.
+# The page of the live view with a recording in it, as one file.
 
 #: the browser loads nothing from elsewhere
 _POLICY = (
@@ -52,11 +52,11 @@ _STYLE = re.compile(r'<link rel="stylesheet"[^>]* href="\./([^"]+)">')
 _ICON = re.compile(r'<link rel="icon"[^>]* href="\./([^"]+)"[^>]*>')
 
 
-def page_of(tape: bytes, title: str, folder: Path = STATIC) -> str:
-    """The text of a page that plays a tape.
+def page_of(recording: bytes, title: str, folder: Path = STATIC) -> str:
+    """The text of a page that plays a recording.
 
     Args:
-        tape: see `morse.viewer.exported_page.Tape.to_bytes`.
+        recording: see `morse.viewer.exported_page.PageRecording.to_bytes`.
         title: of the page.
         folder: the files of the page.
 
@@ -74,7 +74,7 @@ def page_of(tape: bytes, title: str, folder: Path = STATIC) -> str:
     licences = content("assets/licences.txt").replace("--", "- -")
     icon = _ICON.search(text)
     image = base64.b64encode((folder / icon[1]).read_bytes()).decode() if icon else ""
-    data = f'<script id="tape" type="application/octet-stream">{base64.b64encode(tape).decode()}</script>'
+    data = f'<script id="tape" type="application/octet-stream">{base64.b64encode(recording).decode()}</script>'
     text = text.replace("<title>MORSE</title>", f"<title>{html.escape(title)}</title>")
     text = _ICON.sub(f'<link rel="icon" type="image/svg+xml" href="data:image/svg+xml;base64,{image}">', text)
     text = _STYLE.sub(lambda match: f"<style>{content(match[1])}</style>", text)
@@ -98,7 +98,7 @@ _FARTHEST = 2.0e9
 _DIGITS, _DECIMALS = 10, 5
 
 
-class Tape:
+class PageRecording:
     """Stands in the place of `morse.viewer.server.ViewServer`: the feeds of the live view send their messages to it.
 
     Attributes:
@@ -167,12 +167,12 @@ class Tape:
     # the file ---------------------------------------------------------------------------------
 
     def to_bytes(self, begin: float, end: float, frequency: float, limit: int) -> bytes:
-        """The tape, compressed: a line of JSON, then the parts that it refers to.
+        """The recording, compressed: a line of JSON, then the parts that it refers to.
 
         Args:
             begin, end: of the run, s.
             frequency: ticks per second.
-            limit: bytes; images are left out until the tape is not longer.
+            limit: bytes; images are left out until the recording is not longer.
         """
         pictures = [entry for entry in self._messages if entry[2]["type"] == Picture.__struct_config__.tag]
         others = [entry for entry in self._messages if entry[2]["type"] != Picture.__struct_config__.tag]
@@ -246,7 +246,7 @@ _POSES, _DATA, _SIGHTS = 20.0, 10.0, 5.0
 _CAMERAS = 3
 #: maximum number of places of the time line
 _PLACES = 1000
-#: bytes of a tape: of the first minute, and of each further second
+#: bytes of a recording: of the first minute, and of each further second
 _FIRST, _FURTHER = 3_000_000, 45_000
 
 
@@ -257,8 +257,10 @@ class Span(NamedTuple):
     length: float | None = None
 
 
-def wind(simulation: Simulation, timeline: Timeline, recording: Recording, title: str, span: Span) -> bytes:
-    """The tape of a recorded run.
+def page_recording_of(
+    simulation: Simulation, timeline: Timeline, recording: Recording, title: str, span: Span
+) -> bytes:
+    """What a page plays of a recorded run, for `page_of`.
 
     Args:
         simulation: of the scene of the recording.
@@ -277,7 +279,7 @@ def wind(simulation: Simulation, timeline: Timeline, recording: Recording, title
     last = timeline.length if span.length is None else min(timeline.length, first + round(span.length * frequency))
     if first >= last:
         raise ValueError(f"the recording ends after {timeline.length / frequency:g} s, before the page begins")
-    server: Any = Tape(title)
+    server: Any = PageRecording(title)
     server.wishes = _wishes(simulation)
     fields = RecordedFields(recording)
     values = (
@@ -327,8 +329,8 @@ def wind(simulation: Simulation, timeline: Timeline, recording: Recording, title
                 cast_wished_rays(context, server.wishes.overlays)
             for feed in overlays:
                 feed.update()
-    tape: bytes = server.to_bytes(begin, end, frequency, _FIRST + int(max(end - begin - 60.0, 0.0) * _FURTHER))
-    return tape
+    data: bytes = server.to_bytes(begin, end, frequency, _FIRST + int(max(end - begin - 60.0, 0.0) * _FURTHER))
+    return data
 
 
 def _wishes(simulation: Simulation) -> Wishes:

@@ -68,18 +68,18 @@ class KeptRows:
 
     Args:
         context: of the simulation.
-        tape: of the file; see `morse.recording.streams.Tape`.
+        topic_file: of the file; see `morse.recording.streams.TopicFile`.
     """
 
-    def __init__(self, context: Context, tape: Any) -> None:
-        self._context, self._tape = context, tape
+    def __init__(self, context: Context, topic_file: Any) -> None:
+        self._context, self._topic_file = context, topic_file
         self._streams: dict[Any, RowStream] = {}
         self._plans: WeakKeyDictionary[SensorRows, _Plan | None] = WeakKeyDictionary()
         #: plans with rows that are not encoded yet, and those in use
         # each operation on their lists is atomic: the simulation appends, only the thread of the recording removes
         self._filled: list[_Plan] = []
         context.row_taps.append(self._measured)
-        tape.kept.append(self)
+        topic_file.kept.append(self)
 
     def close(self) -> None:
         """Keep nothing more."""
@@ -114,7 +114,7 @@ class KeptRows:
             size += sum([one.nbytes for one in arrays])
         live = [[read() for read in reads] for reads in plan.live]
         plan.rows.extend((self._context.clock.tick, rows.time, rows.poses, arrays, live))
-        self._tape.held += size
+        self._topic_file.held += size
 
     def _plan(self, sensors: Sequence[object]) -> _Plan | None:
         streams = [(self._streams[one], place) for place, one in enumerate(sensors) if one in self._streams]

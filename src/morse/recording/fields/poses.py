@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from morse.core.values import Fields
     from morse.core.world import Body
     from morse.physics.poses.pose_rows import Numbers
-    from morse.recording.streams import Tape
+    from morse.recording.streams import TopicFile
     from morse.rosmsgs.moving import MovingFrame
     from morse.rosmsgs.topics.backend import Backend
     from morse.rosmsgs.topics.transforms import Transforms
@@ -281,7 +281,7 @@ class KeptPoses:
 
     Args:
         context: of the simulation.
-        tape: receives messages when the nodes have changed.
+        topic_file: receives messages when the nodes have changed.
         transforms: the tree of frames.
         motion: names the nodes, and publishes changes of their appearance.
         clock, frames: ids of the channels of time and frames.
@@ -291,9 +291,9 @@ class KeptPoses:
     """
 
     def __init__(
-        self, context: Context, tape: Tape, transforms: Transforms, motion: Motion, clock: int, frames: int
+        self, context: Context, topic_file: TopicFile, transforms: Transforms, motion: Motion, clock: int, frames: int
     ) -> None:
-        self._clock, self._world, self._tape = context.clock, context.world, tape
+        self._clock, self._world, self._topic_file = context.clock, context.world, topic_file
         self._transforms, self.motion = transforms, motion
         self._channels = Channels(clock, frames, motion.channel)
         self.has_frames = False
@@ -321,7 +321,7 @@ class KeptPoses:
                 self._mountings = mountings
         positions, rotations = world.positions, world.rotations
         self._rows += (self._clock.tick, self._world_so_far, self._mountings, positions.share(), rotations.share())
-        self._tape.held += 96 * len(positions)
+        self._topic_file.held += 96 * len(positions)
         return is_same
 
     def _renew(self) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from morse.recording.disk import Disk
     from morse.recording.made.made import Made
     from morse.recording.mcap.writer import McapWriter
-    from morse.recording.streams import Tape
+    from morse.recording.streams import TopicFile
     from morse.scene import Scene
 
 logger = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ class MadeObjects:
     """Writes the description of the scene, and of each present object that was spawned, once.
 
     Args:
-        tape, disk: receive the messages and the attachments.
+        topic_file, disk: receive the messages and the attachments.
         present: returns the present objects by name.
         count: returns the number of recorded inputs.
         scene: the scene at the launch.
@@ -44,14 +44,14 @@ class MadeObjects:
 
     def __init__(
         self,
-        tape: Tape,
+        topic_file: TopicFile,
         disk: Disk,
         present: Callable[[], Mapping[str, Made]],
         count: Callable[[], int],
         scene: Scene,
         objects: Mapping[str, Any],
     ) -> None:
-        self._tape, self._disk = tape, disk
+        self._topic_file, self._disk = topic_file, disk
         self._present, self._count = present, count
         self._identities: dict[str, object] = {}
         self._digests_so_far: set[str] = set()
@@ -120,7 +120,7 @@ class MadeObjects:
             "description": title,
             "kind": entry.kind,
         }
-        self._tape.topic(TOPIC, TYPE, Qos(1000)).publish(encode(TYPE, {"data": json.dumps(line)}))
+        self._topic_file.topic(TOPIC, TYPE, Qos(1000)).publish(encode(TYPE, {"data": json.dumps(line)}))
 
     def _attach(self, name: str, data: bytes) -> None:
         self._disk.other(partial(_attach, name=name, data=data))
