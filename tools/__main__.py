@@ -21,6 +21,8 @@ component library that are missing, and its pages. With the names of components,
 
 ``python -m tools structure``: the size of the sources: files, lines, short files, lines without types.
 
+``python -m tools trace``: the files that a command enters on its way from the socket to the wheel.
+
 ``python -m tools site FOLDER``: adds the documentation of this version to a site.
 """
 
@@ -63,6 +65,10 @@ def main(arguments: list[str]) -> int:
         from tools import structure
 
         return structure.main()
+    if part == "trace" and not names:
+        from tools import trace
+
+        return trace.main()
     if part == "validation" and not names:
         from tools.validation import page
 

@@ -36,8 +36,8 @@ WITHIN = {
     # asked by the guard of `serve`, and passed to `Guard.each`
     ("core/requests.py", "serve"), ("simulation/ticks/ticking.py", "action"),
     ("simulation/ticks/ticking.py", "update_pose"),
-    ("core/rows/sensor_rows.py", "default_action"), ("core/rows/sensor_rows.py", "remember"),
-    ("core/rows/sensor_rows.py", "observe"), ("core/sensor.py", "observe"), ("simulation/ticks/ticking.py", "observe"),
+    ("core/rows/rows.py", "default_action"), ("core/rows/rows.py", "remember"),
+    ("core/rows/rows.py", "observe"), ("core/sensor.py", "observe"), ("simulation/ticks/ticking.py", "observe"),
     # listens at a port
     ("core/clients/network.py", "serve"),
 }  # fmt: skip

@@ -131,7 +131,7 @@ class JointReach(JointPaths):
         if frame == "robot":
             (rx, ry, rz), r = self.robot_parent.bge_object.world_pose()
             dx, dy, dz = turn(r, (x, y, z))
-            x, y, z, axes = rx + dx, ry + dy, rz + dz, product(tuple(r), axes)  # type: ignore[arg-type]
+            x, y, z, axes = rx + dx, ry + dy, rz + dz, product(tuple(r), axes)
         (ox, oy, oz), r = self.bge_object.world_pose()
         back = (r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8])
         pose = turn_back(r, (x - ox, y - oy, z - oz)), product(back, axes)
@@ -267,7 +267,7 @@ def nearer(here: _Pose, goal: _Pose, way: float, step_angle: float) -> tuple[_Po
     offset = [b - a for a, b in zip(here[0], goal[0], strict=True)]
     distance = math.hypot(*offset)
     a, b, c, d, e, f, g, h, i = here[1]
-    turn_left = product((a, d, g, b, e, h, c, f, i), tuple(goal[1]))  # type: ignore[arg-type]
+    turn_left = product((a, d, g, b, e, h, c, f, i), tuple(goal[1]))
     w, x, y, z = quaternion_from_rotation(turn_left)
     sine = math.sqrt(x * x + y * y + z * z)
     angle = 2.0 * math.atan2(sine, w)
@@ -277,5 +277,5 @@ def nearer(here: _Pose, goal: _Pose, way: float, step_angle: float) -> tuple[_Po
     if not is_aligned:
         half, unit = 0.5 * step_angle, math.sin(0.5 * step_angle) / sine
         step = rotation_from_quaternion(math.cos(half), unit * x, unit * y, unit * z)
-        rotation = product(tuple(here[1]), step)  # type: ignore[arg-type]
+        rotation = product(tuple(here[1]), step)
     return (position, rotation), there and is_aligned

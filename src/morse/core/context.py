@@ -69,7 +69,7 @@ class Context:
         service_objects: objects that offer the services of ``simulation``, ``time`` and ``communication``; several
             objects may share a name.
         row_taps: callbacks, called after each action of sensors that measure when they are read, with their
-            `morse.core.rows.sensor_rows.SensorRows`.
+            `morse.core.rows.rows.SensorRows`.
         network: the network thread for sockets and the live view; None for a simulation without either.
         failed: names of the components that were deactivated because they raised exceptions.
         controls: input at the live view; it changes between ticks only.

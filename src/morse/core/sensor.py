@@ -1,6 +1,6 @@
 """The base class of sensors.
 
-Sensors that only need poses are rows (`morse.core.rows.sensor_rows`). Those that a model file declares and that ask
+Sensors that only need poses are rows (`morse.core.rows.rows`). Those that a model file declares and that ask
 servers for rays or images are `OnDemand`: what nobody reads is neither cast nor rendered.
 """
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.rows.columns import columns_of
-from morse.core.rows.sensor_rows import SensorRows
+from morse.core.rows.rows import SensorRows
 from morse.kernel.batched import Courses, Lanes
 from morse.kernel.rays import Hits
 from morse.physics.poses.snapshot import Snapshot

@@ -31,8 +31,8 @@ ORDERS: dict[str, tuple[int, int, int, float]] = {
 _GIMBAL = 1e-12  # if the cosine of the middle angle is smaller, the first and third axes are treated as equal
 
 
-def product(a: Rotation9, b: Rotation9) -> Rotation9:
-    """Return the matrix product of a and b."""
+def product(a: Sequence[float], b: Sequence[float]) -> Rotation9:
+    """Return the product of two 3x3 matrices, each nine floats, row by row."""
     a0, a1, a2, a3, a4, a5, a6, a7, a8 = a
     b0, b1, b2, b3, b4, b5, b6, b7, b8 = b
     return (
@@ -130,7 +130,7 @@ def quaternion_from_rotation(m: Rotation9) -> Quaternion4:
 def rotation_vector(before: Sequence[float], after: Sequence[float]) -> Triple:
     """Return the shortest rotation from one rotation to another: axis times angle (rad), in the axes of both."""
     a, b, c, d, e, f, g, h, i = before
-    w, x, y, z = quaternion_from_rotation(product((a, d, g, b, e, h, c, f, i), tuple(after)))  # type: ignore[arg-type]
+    w, x, y, z = quaternion_from_rotation(product((a, d, g, b, e, h, c, f, i), tuple(after)))
     sine = sqrt(x * x + y * y + z * z)
     # ratio of the angle to the sine of half the angle; for small angles it is 2
     scale = 2.0 * atan2(sine, w) / sine if sine > 0.0 else 2.0

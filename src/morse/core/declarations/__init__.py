@@ -34,8 +34,7 @@ from morse.core.declarations.fields import (
     says_nothing,
     state_variables,
 )
-from morse.core.declarations.functions import add_data, add_kind, add_level, add_property, add_state
-from morse.core.declarations.option import Option
+from morse.core.declarations.functions import Option, add_data, add_kind, add_level, add_property, add_state
 from morse.core.declarations.refused import FRAMES
 from morse.core.declarations.sources import (
     Computed,

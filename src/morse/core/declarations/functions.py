@@ -6,8 +6,8 @@ import sys
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from morse.core.declarations.fields import DataField, KindUse, Level, Property, StateVariable
-from morse.core.declarations.refused import check_field, check_property, check_state
+from morse.core.declarations.fields import DataField, KindUse, Level, OptionFields, Property, StateVariable
+from morse.core.declarations.refused import check_field, check_option, check_property, check_state
 from morse.core.exceptions import MorseDeclarationError
 
 if TYPE_CHECKING:
@@ -219,3 +219,31 @@ def add_kind(
 
     check_use(use)
     uses.append(use)
+
+
+class Option(OptionFields):
+    """An option of a modifier, a stream or a middleware; scripts pass it as a keyword argument.
+
+    Attributes:
+        type: ``float``, ``int``, ``bool``, ``str``, ``list``, ``dict``, or several in a tuple; ``object`` for anything.
+        default: the value if the script gives none.
+        shape: shape of a list of numbers.
+
+    Raises:
+        MorseDeclarationError: the option contradicts itself; the message contains file and line.
+    """
+
+    __slots__ = ()
+
+    if not TYPE_CHECKING:  # type checkers shall see the parameters of the tuple
+
+        def __new__(cls, *args: object, **kwargs: object) -> Option:
+            """Check the option, because a class with an option that no value fits must not be created."""
+            option = super().__new__(cls, *args, **kwargs)
+            try:
+                check_option(option)
+            except MorseDeclarationError as error:
+                caller = sys._getframe(1)
+                where = f"{caller.f_code.co_filename}:{caller.f_lineno}"
+                raise MorseDeclarationError(f"{where}: option {option.doc!r:.80}: {error}") from None
+            return option

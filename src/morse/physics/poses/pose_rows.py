@@ -89,6 +89,6 @@ class PoseRows(NamedTuple):
             moved = turn(r, [own[:, k] for k in range(3)])  # type: ignore[arg-type, misc]
             p = [np.where(apart != _NONE, a + b, a) for a, b in zip(p, moved, strict=True)]
             if (apart == _TURNED).any():
-                turned = product(tuple(r), tuple(own[:, k] for k in range(3, 12)))  # type: ignore[arg-type]
+                turned = product(tuple(r), tuple(own[:, k] for k in range(3, 12)))  # type: ignore[arg-type, misc]
                 r = [np.where(apart == _TURNED, b, a) for a, b in zip(r, turned, strict=True)]
         return p, r

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.core.rows.columns import Columns
-    from morse.core.rows.sensor_rows import SensorRows
+    from morse.core.rows.rows import SensorRows
     from morse.recording.fields.columns import Batch, Line
 
 #: number of values of a row in the flat list

@@ -229,7 +229,7 @@ class World(NamedTuple):
         place, m = parents[:3], parents[3:]
         offsets = turn_back(m, [q[:, children] - p for p, q in zip(place, positions, strict=True)])  # type: ignore[arg-type]
         back = m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]
-        turns = product(back, tuple(numbers[:, children] for numbers in rotations))  # type: ignore[arg-type]
+        turns = product(back, tuple(numbers[:, children] for numbers in rotations))  # type: ignore[arg-type, misc]
         pairs = zip(self.frames, _each(offsets), _each(_quaternions(turns)), strict=True)  # type: ignore[arg-type]
         return [
             {

@@ -14,9 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from morse.core.actuator import Actuator
 from morse.core.guard import after_tick
 from morse.core.reports.faults import is_a
-from morse.core.rows.actuator_rows import ActuatorRows
-from morse.core.rows.rows import Rows
-from morse.core.rows.sensor_rows import SensorRows
+from morse.core.rows.rows import ActuatorRows, Rows, SensorRows
 from morse.core.sensor import Sensor
 
 if TYPE_CHECKING:

@@ -13,10 +13,8 @@ from morse.core.guard import after_tick, before_tick
 from morse.core.realism import Realism, phase_of
 from morse.core.reports.faults import name_of
 from morse.core.requests import serve
-from morse.core.rows.actuator_rows import ActuatorRows
 from morse.core.rows.marks import waiting
-from morse.core.rows.rows import Rows
-from morse.core.rows.sensor_rows import SensorRows
+from morse.core.rows.rows import ActuatorRows, Rows, SensorRows
 from morse.core.sensor import OnDemand, Sensor, hold_on_demand
 from morse.simulation.ticks.multi_tick import MultiTick
 from morse.simulation.ticks.schedule import Schedule
