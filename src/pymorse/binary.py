@@ -92,15 +92,15 @@ class BinaryConnection(Channel):
         if stream is not None and stream is not self._streams.get(stream.name):
             stream = None
         if stream is not None:
-            stream.keep(frame)
+            self.poller.arrivals.add(stream, frame)
+        else:
+            self.count()
+
+    def count(self) -> None:
+        """Count a message that was processed."""
         with self._news:
             self._count += 1
             self._news.notify_all()
-        if stream is None:
-            return
-        stream.tell(frame)
-        if self.latest and stream.is_up():
-            self.request(f"next {stream.name}")
 
     def _handle_notice(self, notice: Any) -> None:
         match notice:
@@ -195,6 +195,17 @@ class BinaryStream(Messages):
             if not other._subscribers:
                 self._only_latest = None
                 other.close()
+
+    def keep(self, msg: bytes) -> None:
+        """Store a received message."""
+        super().keep(msg)
+        self._connection.count()
+
+    def tell(self, msg: bytes) -> None:
+        """Call the subscribers, and request the next message."""
+        super().tell(msg)
+        if self._connection.latest and self.is_up():
+            self._connection.request(f"next {self.name}")
 
     def end(self, reason: str) -> None:
         """Called when no more messages will arrive."""

@@ -74,7 +74,7 @@ class Component:
             raise self._missing("stream")
         with self._opening:
             if self._stream is None:
-                self._stream = self._morse._open_stream(self.fqn, self._port, sends="OUT" in self._directions)
+                self._stream = self._morse._open_stream(self.fqn, self._port, self._directions)
             return self._stream
 
     def _ready(self) -> Component:

@@ -11,8 +11,10 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
+from pymorse.messages import Arrivals
+
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from pymorse.channel import Channel
 
@@ -25,6 +27,8 @@ _COURTESY = 0.005
 _AGAIN = 0.005
 #: time for which a guest polls before it sleeps, s, if its last wait was shorter than that
 _WATCH = 0.0002 if (os.cpu_count() or 1) > 1 else 0.0
+#: number of times that all sockets are read before callers are woken up: while some are read, others become readable
+_SWEEPS = 4
 
 
 def _nothing() -> None: ...
@@ -39,11 +43,15 @@ class Poller(threading.Thread):
     Args:
         name: name of the thread.
         until_empty: whether to end when the last channel has been closed.
+
+    Attributes:
+        arrivals: messages that have been received and are not shown to callers yet.
     """
 
     def __init__(self, name: str = "pymorse", *, until_empty: bool = False) -> None:
         super().__init__(name=name, daemon=True)
         self._until_empty = until_empty
+        self.arrivals = Arrivals()
         self._selector = selectors.DefaultSelector()
         self._channels: set[Channel] = set()
         self._commands: list[Callable[[], object]] = []
@@ -124,6 +132,7 @@ class Poller(threading.Thread):
         if channel in self._channels:
             self._channels.discard(channel)
             self._selector.unregister(channel.socket)
+            self.arrivals.show(everything=True)  # what it would still have received is not missed
             if self._until_empty and not self._channels:
                 self._finish()
 
@@ -207,16 +216,30 @@ class Poller(threading.Thread):
             return
         self._serving = threading.get_ident()
         try:
-            wakened = False
-            for key, events in self._watch(timeout) if watch else self._selector.select(timeout):
-                if key.data is None:
-                    wakened = True
-                else:
-                    self._serve(key.data, events)
+            patience = self.arrivals.patience
+            if patience is not None:
+                timeout = patience if timeout is None else min(timeout, patience)
+            wakened = self._serve_all(self._watch(timeout) if watch else self._selector.select(timeout))
+            sweeps = 1
+            while sweeps < _SWEEPS and len(self.arrivals) and len(self._channels) > 1 and not wakened:
+                ready = self._selector.select(0.0)
+                sweeps = sweeps + 1 if ready else _SWEEPS
+                wakened = self._serve_all(ready)
+            self.arrivals.show()
             if wakened:
                 self._obey()
         finally:
             self._serving = 0
+
+    def _serve_all(self, ready: Iterable[tuple[selectors.SelectorKey, int]]) -> bool:
+        """Serve the channels that are ready; return whether there are commands."""
+        wakened = False
+        for key, events in ready:
+            if key.data is None:
+                wakened = True
+            else:
+                self._serve(key.data, events)
+        return wakened
 
     def _watch(self, timeout: float | None) -> list[tuple[selectors.SelectorKey, int]]:
         """The sockets that are ready; polls briefly, because waking a thread up takes longer than most answers."""
@@ -261,6 +284,7 @@ class Poller(threading.Thread):
             self._serving = threading.get_ident()
             for channel in list(self._channels):
                 channel.close()
+            self.arrivals.show(everything=True)
             self._serving = 0
             self._selector.close()
             self._wake_in.close()

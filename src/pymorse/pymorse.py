@@ -7,6 +7,7 @@ import contextlib
 import functools
 import logging
 import os
+import secrets
 import threading
 import time as _time
 import weakref
@@ -25,7 +26,7 @@ from pymorse.requests import ServiceConnection
 from pymorse.stream import TIMEOUT, StreamJSON, connect, connect_locally
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Set
     from types import TracebackType
 
     from pymorse.component import Component, Robot
@@ -38,6 +39,8 @@ PORTS = range(4000, 4010)
 """Ports for the services of simulations; a simulation uses the first free one."""
 _PORT_VARIABLE = "MORSE_SOCKET_PORT"
 _PARTING_TIMEOUT = 1.0
+#: request to mark the messages that belong together; servers that do not know it ignore it
+_TOGETHER = "together"
 
 
 class Morse:
@@ -92,6 +95,7 @@ class Morse:
         self._opening = threading.Lock()
         self._latest_poller: Poller | None = None
         self._streams: list[StreamJSON | BinaryConnection] = []
+        self._token = secrets.token_hex(8)
         self._binary_port: int | None = None
         self._is_binary = binary
         self._reconnection: Reconnection | None = None
@@ -314,8 +318,10 @@ class Morse:
         self.rpc("simulation", "deactivate", getattr(component, "fqn", component))
 
     def sleep(self, time: float) -> None:
-        """Wait for ``time`` simulated seconds."""
+        """Wait for ``time`` simulated seconds; messages that were sent before its end have then been received."""
         self.rpc("time", "sleep", time)
+        if self._stream_poller is not None:
+            self._stream_poller.catch_up()
 
     def time(self) -> float:
         """Simulated time, s."""
@@ -327,20 +333,20 @@ class Morse:
         if self._closed:
             raise ConnectionError("this connection to the simulation has been closed: create a new Morse()")
 
-    def _open_stream(self, name: str, port: int, *, sends: bool) -> StreamJSON | BinaryStream:
+    def _open_stream(self, name: str, port: int, directions: Set[str]) -> StreamJSON | BinaryStream:
         """Open the stream of a component.
 
         Args:
             name: full name of the component.
             port: port of the stream.
-            sends: whether the component is a sensor.
+            directions: ``OUT`` if the component sends data, ``IN`` if it receives data.
         """
         self._check_open()
         with self._opening:
             if self._stream_poller is None:
                 self._stream_poller = Poller("pymorse-streams")
                 self._stream_poller.start()
-            if sends and self._binary_port is not None:
+            if "OUT" in directions and self._binary_port is not None:
                 if self._every is None or not self._every.is_up():
                     self._every = self._open_binary(self._stream_poller, latest=False)
                 binary = self._every.open(name)
@@ -348,6 +354,10 @@ class Morse:
                 return binary
         stream = StreamJSON(self.host, port, poller=self._stream_poller)
         stream.peer = f"{name} ({stream.peer})"
+        if directions == {"OUT"}:
+            stream.is_marked = True
+            with contextlib.suppress(ConnectionError):  # who reads it is told
+                stream.send(f"{_TOGETHER} {self._token}\n".encode())
         self._streams.append(stream)
         return stream
 

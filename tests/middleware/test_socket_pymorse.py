@@ -50,6 +50,32 @@ def ticking() -> Iterator[Bench]:
     bench.close()
 
 
+def test_a_program_that_has_waited_for_one_sensor_has_the_messages_of_all_of_the_tick() -> None:
+    names = ["pose", *(f"sensor{n}" for n in range(6)), "gps"]
+    bench = Bench()
+    for name in names:
+        bench.sensor(f"robot1.{name}", port=0)
+    components = {f"robot1.{name}": {"type": "Pose", "stream_interfaces": [["socket", "OUT"]]} for name in names}
+    details = {"robots": [{"name": "robot1", "type": "ATRV", "components": components}], "environment": ""}
+    bench.requests.register_service("simulation", lambda: details, "details")
+    thread = threading.Thread(target=_run, args=[bench])
+    thread.start()
+    try:
+        with Morse("127.0.0.1", bench.requests.port) as simu:
+            sensors = [simu.robot1[name] for name in names]
+            for sensor in sensors:
+                sensor.get(timeout=60)
+            # each in turn: the simulation sends first what was created first
+            for number in range(1000):
+                time = sensors[number % len(sensors)].get(timeout=60)["timestamp"]
+                # a program that is late finds later messages
+                assert all(sensor.last()["timestamp"] >= time for sensor in sensors)
+    finally:
+        bench.stopping = True
+        thread.join(60)
+        bench.close()
+
+
 def _run(bench: Bench) -> None:
     pause = threading.Event()
     while not bench.stopping:

@@ -39,6 +39,43 @@ def test_a_sensor_sends_a_line_at_each_action(bench: Bench) -> None:
     client.close()
 
 
+def test_the_messages_of_a_tick_are_marked_for_programs_that_ask(bench: Bench) -> None:
+    names = ["robot1.pose", "robot1.gps", "robot1.imu"]
+    for name in names:
+        bench.sensor(name, port=0)
+    marked, plain = ([bench.connect(name) for name in names[:2]] for _ in range(2))
+    for client in marked:
+        client.send(b"together 0a\n")
+    wait_until(lambda: all(any(c.program for c in bench.streams._servers[name].clients) for name in names[:2]))
+    for number in (1, 2):
+        bench.tick()
+        wait_until(lambda number=number: all(len(client.lines()) == number for client in (*marked, *plain)))
+    assert plain[0].lines() == plain[1].lines()
+    # the third sensor has no client of that program
+    lines = [client.lines() for client in marked]
+    assert lines == [[plain[0].lines()[n] + b"\x1e%d 2" % (n + 1) for n in range(2)]] * 2
+    for client in (*marked, *plain):
+        client.close()
+
+
+@pytest.mark.parametrize(
+    "request_", [b"together\n", b"together \n", b"together zz\n", b"\0" * 5000, b"together " + b"a" * 5000, b"\n{}\n"]
+)
+def test_a_strange_request_for_marks_is_ignored(bench: Bench, request_: bytes) -> None:
+    for name in ("robot1.pose", "robot1.gps"):
+        bench.sensor(name, port=0)
+    clients = [bench.connect(name) for name in ("robot1.pose", "robot1.gps")]
+    for client in clients:
+        client.send(request_)
+    servers = [bench.streams._servers[name] for name in ("robot1.pose", "robot1.gps")]
+    wait_until(lambda: all(one._request is None for server in servers for one in server.clients))
+    bench.tick()
+    for client in clients:
+        wait_until(client.lines)
+        assert client.lines() == [b'{"timestamp": 0.0, "temperature": 20.5}']
+        client.close()
+
+
 def test_an_inactive_sensor_sends_nothing(bench: Bench) -> None:
     pose = bench.sensor(port=0)
     client = bench.connect("robot1.pose")

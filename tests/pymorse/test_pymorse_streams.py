@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_simulation import Endpoint, ScriptedSimulation
 
-from pymorse import Morse, PollThread, Stream, StreamJSON
+from pymorse import Morse, PollThread, Stream, StreamJSON, messages
 from pymorse.channel import MAX_UNSENT
 from pymorse.stream import StreamB
 from tests.waiting import wait_until
@@ -263,3 +263,60 @@ def test_nothing_is_logged_in_an_ordinary_session(
         simu.robot1.pose.last()
         simu.robot1.motion.publish({"v": 1.0})
     assert not caplog.records
+
+
+@pytest.fixture
+def two_sensors() -> Iterator[tuple[Morse, Endpoint, Endpoint]]:
+    parts: dict[str, Any] = {"robot.pose": ([], "OUT"), "robot.gps": ([], "OUT")}
+    with ScriptedSimulation({"robot": parts}) as simulation, Morse("127.0.0.1", simulation.port) as simu:
+        _ = simu.robot.pose, simu.robot.gps
+        ends = [simulation.streams[name] for name in parts]
+        wait_until(lambda: all(end.lines for end in ends))
+        assert ends[0].lines == ends[1].lines
+        assert ends[0].lines[0].startswith(b"together ")
+        yield simu, ends[0], ends[1]
+
+
+def test_a_message_is_shown_with_the_others_of_its_tick(
+    two_sensors: tuple[Morse, Endpoint, Endpoint], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(messages, "_PATIENCE", 60.0)
+    simu, pose, gps = two_sensors
+    arrivals = simu.robot.pose.stream.poller.arrivals
+    seen: list[Any] = []
+    simu.robot.gps.subscribe(lambda message: seen.append((message, simu.robot.pose.last())))
+    pose.send(b'{"n": 1}\x1e1 2\n')
+    wait_until(lambda: len(arrivals) == 1)
+    assert simu.robot.pose.last() is None
+    # those of another tick are complete, but a stream keeps its order
+    gps.send(b'{"n": 0}\n')
+    wait_until(lambda: simu.robot.gps.last() == {"n": 0})
+    pose.send(b'{"n": 2}\x1e2 1\n')
+    wait_until(lambda: len(arrivals) == 2)
+    assert simu.robot.pose.last() is None
+    gps.send(b'{"n": 3}\x1e1 2\n')
+    wait_until(lambda: len(seen) == 2)
+    assert seen == [({"n": 0}, None), ({"n": 3}, {"n": 2})]
+    assert simu.robot.pose.last(2) == {"n": 1}
+
+
+def test_a_message_does_not_wait_long_for_what_is_lost(
+    two_sensors: tuple[Morse, Endpoint, Endpoint],
+) -> None:
+    simu, pose, gps = two_sensors
+    pose.send(b'{"n": 1}\x1e1 2\n')
+    wait_until(lambda: simu.robot.pose.last() == {"n": 1})
+    # too late
+    gps.send(b'{"n": 1}\x1e1 2\n')
+    wait_until(lambda: simu.robot.gps.last() == {"n": 1})
+    # an end of the connection is no reason to wait
+    pose.send(b'{"n": 2}\x1e2 2\n')
+    gps.drop()
+    wait_until(lambda: simu.robot.pose.last() == {"n": 2})
+
+
+@pytest.mark.parametrize("mark", [b"", b"x", b"1", b"1 x", b"-1 2", b"1 0", b"0 2", b"1" * 5000 + b" 2", b"1 2 3"])
+def test_a_strange_mark_is_none(two_sensors: tuple[Morse, Endpoint, Endpoint], mark: bytes) -> None:
+    simu, pose, _ = two_sensors
+    pose.send(b'{"n": 1}\x1e' + mark + b"\n")
+    wait_until(lambda: simu.robot.pose.last() == {"n": 1})

@@ -18,7 +18,7 @@ from morse.core.services import service
 from morse.core.streams.kind_stream import KindStream
 from morse.middleware.socket import LAST_PORT, MANAGER_OPTIONS
 from morse.middleware.socket.frames import FrameServer, data_frame, line_frame
-from morse.middleware.socket.stream_client import StreamServer
+from morse.middleware.socket.stream_client import StreamServer, publish_together
 from morse.system import OF_MACHINE
 from morse.wire.encoding import from_json, to_json
 from morse.wire.images import PictureFields, cloud_fields, image_fields
@@ -250,6 +250,8 @@ class SocketDatastreamManager(DatastreamManager):
         self._frames: list[tuple[FrameChannel, bytes]] = []
         self._frame_parcels: deque[list[tuple[FrameChannel, bytes]]] = deque()
         self._is_waiting = False
+        #: of the last messages that were sent together
+        self._number = 0
         self._last_time = 0.0
         self._next_port = FIRST_PORT
         allow_many_sockets()
@@ -420,8 +422,9 @@ class SocketDatastreamManager(DatastreamManager):
         while self._parcels:
             for server, message in self._parcels.popleft():
                 messages.setdefault(server, []).append(message)
-        for server, lines in messages.items():
-            server.publish(lines)
+        if messages:
+            self._number += 1
+            publish_together(messages, self._number)
         frames: list[tuple[FrameChannel, bytes]] = []
         while self._frame_parcels:
             frames += self._frame_parcels.popleft()

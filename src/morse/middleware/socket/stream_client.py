@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from morse.wire.inbox import Inbox
@@ -10,7 +11,7 @@ from morse.wire.server import LineServer
 
 if TYPE_CHECKING:
     import socket
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from morse.core.clients.network import Network
     from morse.middleware.socket.frames import FrameChannel
@@ -18,6 +19,13 @@ if TYPE_CHECKING:
 
 #: approximate size to which messages are combined
 _HIGH_WATER = 1 << 18
+#: the line by which a client of a sensor asks for marks: ``together NAME``; all its connections use the same name
+_TOGETHER = re.compile(rb"together ([0-9a-f]{1,32})\r?\n")
+_LONGEST_REQUEST = 48
+#: separates a message from its mark; JSON does not contain it
+_MARK = b"\x1e"
+#: messages of more bytes take long on the way, so that others do not wait for them
+_SMALL = 1 << 16
 
 
 class _Line(bytes):
@@ -42,9 +50,11 @@ class StreamClient(LineClient):
 
     Attributes:
         sent: number of messages passed to the connection.
+        program: name of the program that has asked for marks; empty: it has not.
     """
 
     server: StreamServer
+    program = b""
 
     def __init__(self, server: StreamServer) -> None:
         super().__init__(server)
@@ -52,6 +62,7 @@ class StreamClient(LineClient):
         self._behind = False
         self._welcome_time = server.present()
         self.sent = 0
+        self._request: bytes | None = b""
 
     def connection_made(self, transport: Connection, peer: str) -> None:
         """A client has connected."""
@@ -97,8 +108,11 @@ class StreamClient(LineClient):
         """Bytes have arrived; a sensor stream ignores them."""
         if self.server.reads:
             super().data_received(data)
-        else:
-            self.is_welcome(data)
+        elif self.is_welcome(data) and self._request is not None:
+            self._request += data[:_LONGEST_REQUEST]
+            if b"\n" in self._request or len(self._request) >= _LONGEST_REQUEST:
+                found = _TOGETHER.match(self._request)
+                self.program, self._request = found[1] if found else b"", None
 
     def line(self, line: bytes) -> None:
         """A message has arrived."""
@@ -164,15 +178,51 @@ class StreamServer(LineServer):
         await super().start(network)
         self.inbox.budget = self.limits.commands
 
-    def publish(self, messages: Sequence[bytes]) -> None:
-        """Send messages to every client."""
+    def publish(self, messages: Sequence[bytes], marks: Mapping[bytes, bytes]) -> None:
+        """Send messages to every client.
+
+        Args:
+            marks: end of the messages to each program that has asked for marks.
+        """
         last = messages[-1]
-        parcels = [(last, 1)] if len(messages) == 1 else list(_parcels(messages))
+        parcels = _parcels(messages)
         for client in self.clients:
-            client.offer(parcels, last)
+            mark = marks.get(client.program) if client.program else None
+            if mark is None or client.congested:
+                client.offer(parcels, last)
+            else:
+                marked = [message[:-1] + mark for message in messages]
+                client.offer(_parcels(marked), last)
 
 
-def _parcels(messages: Sequence[bytes]) -> Iterator[tuple[bytes, int]]:
+def publish_together(messages: Mapping[StreamServer, Sequence[bytes]], number: int) -> None:
+    """Send the messages of a tick, or of several, to all clients.
+
+    The messages to a program arrive one after the other on its connections. If it has asked for marks, each of them
+    ends with ``number``, and how many have this number, so that the program may wait for the others.
+    """
+    counts: dict[bytes, int] = {}
+    together: dict[bytes, int] = {}
+    large: set[StreamServer] = set()
+    for server, lines in messages.items():
+        if sum(map(len, lines)) > _SMALL:
+            large.add(server)
+            continue
+        for client in server.clients:
+            if client.program and not client.congested:
+                counts[client.program] = counts.get(client.program, 0) + len(lines)
+                together[client.program] = together.get(client.program, 0) + 1
+    marks = {program: b"%b%d %d\n" % (_MARK, number, counts[program]) for program, size in together.items() if size > 1}
+    for server, lines in messages.items():
+        server.publish(lines, {} if server in large else marks)
+
+
+def _parcels(messages: Sequence[bytes]) -> Sequence[tuple[bytes, int]]:
+    """Combine messages as `_pieces` does."""
+    return [(messages[0], 1)] if len(messages) == 1 else list(_pieces(messages))
+
+
+def _pieces(messages: Sequence[bytes]) -> Iterator[tuple[bytes, int]]:
     """Combine messages into a few pieces, with their numbers of messages; each is below the limit for slow clients."""
     piece: list[bytes] = []
     size = 0
