@@ -24,6 +24,20 @@ OTHER = "other = MotionVW()\nrobot.append(other)\nother.properties(ControlType='
 TELEPORT = "teleport = Teleport()\nrobot.append(teleport)"
 
 
+def test_with_the_physics_of_1_4_a_sleeper_is_awake_a_tick_later_after_the_messages(
+    load: Callable[..., Simulation],
+) -> None:
+    simulation = load(TWO.format(actuators="") + "env.use_physics_of_1_4()\n")
+    pose = simulation.context.component("robot.pose")
+    seen: list[tuple[float, float]] = []
+    nap = simulation.call("time", "sleep", 0.5)
+    nap.add_done_callback(lambda _: seen.append((simulation.clock.time, pose.local_data["timestamp"])))
+    simulation.step(30)
+    assert not seen
+    simulation.step(1)
+    assert seen == [(pytest.approx(31 / 60), pytest.approx(31 / 60))]
+
+
 def test_a_sleeper_is_awake_before_the_messages_of_that_time(load: Callable[..., Simulation]) -> None:
     simulation = load(TWO.format(actuators=""))
     pose = simulation.context.component("robot.pose")

@@ -20,6 +20,9 @@ _ENGINE = 0.4
 _USUAL = math.radians(35.0)
 #: shares of the brake force at both front wheels and at both rear wheels
 _BRAKE = 2 * 0.1 + 2 * 1.3
+#: the engine of 1.4: largest deceleration by the brakes, because the tyres slid, m/s^2; and the mass that the engine
+#: force moves, relative to that of the body
+_GRIP_OF_1_4, _INERTIA_OF_1_4 = 4.0, 2.0
 
 
 class SteerForce(Actuator):
@@ -29,8 +32,8 @@ class SteerForce(Actuator):
     braked by 0.1 times, each rear wheel by 1.3 times the brake force, until the car stands still. The car turns about a
     point on the line of its rear axle: its yaw rate is v tan(steer) / wheelbase. Without force it keeps rolling.
 
-    With ``env.use_physics_of_1_4()`` the car is slower: it has rolling friction, and the brake is an impulse, N s, of
-    each tick, which usually stops the car at once.
+    With ``env.use_physics_of_1_4()`` the force accelerates twice the mass, the car has rolling friction, and the brake is
+    an impulse, N s, of each tick, by which the car loses at most 4 m/s each second.
     """
 
     _name = "Steer, force, brake"
@@ -83,9 +86,11 @@ class SteerForce(Actuator):
         if not mass:
             return
         dt = 1.0 / self.clock.frequency
-        # in the engine of 1.4, the brake was an impulse of each step
-        braking = 1.0 if self.context.world.physics_of_1_4 else dt
+        braking = _BRAKE * data["brake"] / mass * dt
+        if self.context.world.physics_of_1_4:
+            mass *= _INERTIA_OF_1_4
+            # the brake was an impulse of each step
+            braking = min(braking / dt, _GRIP_OF_1_4 * dt)
         speed = self._steering.speed() - 4.0 * _ENGINE * data["force"] / mass * dt
-        deceleration = _BRAKE * data["brake"] / mass * braking
-        speed = math.copysign(max(abs(speed) - deceleration, 0.0), speed)
+        speed = math.copysign(max(abs(speed) - braking, 0.0), speed)
         self._steering.drive(speed, min(max(data["steer"], -self._most), self._most))

@@ -8,4 +8,4 @@ class Hummer(Robot):
     """An off-road vehicle with steered wheels."""
 
     _name = "Hummer"
-    _builder = RobotDefaults("hummer", properties={"RollingFriction": 0.3})
+    _builder = RobotDefaults("hummer", properties={"RollingFriction": 0.055})

@@ -35,13 +35,15 @@ class TimeServices(AbstractObject):
 
     Args:
         set_speed: function that sets the speed of the simulation.
+        begins_late: whether sleeps begin with the next tick, as in MORSE 1.4 (`env.use_physics_of_1_4`).
 
     Attributes:
         waiting: the alarms, which an action may end; see `morse.core.rows.rows.waiting`.
     """
 
-    def __init__(self, clock: Clock, set_speed: Callable[[float], None]) -> None:
+    def __init__(self, clock: Clock, set_speed: Callable[[float], None], *, begins_late: bool = False) -> None:
         super().__init__()
+        self._delay = clock.period if begins_late else 0.0
         self._clock = clock
         self._set_speed = set_speed
         #: heap of alarms by time and number; a cancelled alarm stays until its time, or until there are too many
@@ -86,7 +88,7 @@ class TimeServices(AbstractObject):
         self._number += 1
         number = self._number
         self._alarms[number] = ended
-        heapq.heappush(self._order, (self._clock.time + seconds, number))
+        heapq.heappush(self._order, (self._clock.time + self._delay + seconds, number))
         return lambda: self._cancel(number)
 
     def _cancel(self, number: int) -> None:

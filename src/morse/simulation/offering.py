@@ -56,7 +56,7 @@ def offer_services(simulation: Simulation) -> None:
         PopulationServices(simulation, lambda: _folders_of_models(simulation)),
         ViewpointServices(scene.settings.view, simulation.viewpoint_changed),
         PullServices(context, simulation.before_physics),
-        TimeServices(context.clock, simulation.pacer.set_speed),
+        TimeServices(context.clock, simulation.pacer.set_speed, begins_late=simulation.scene.settings.physics_of_1_4),
         CommunicationServices(context),
         *_of_packages(context),
     ]

@@ -52,7 +52,7 @@ class TimeMethods(EnvironmentDescription):
         """Set whether driven robots are as slow as in the engine of MORSE 1.4, to which old tests were adjusted.
 
         Friction and damping then reduce their speeds, robots on four wheels turn 2 % less, and the origin on the Earth
-        is rounded to single precision.
+        is rounded to single precision. Sleeps of clients end a tick later, after the messages of that tick.
         """
         self.settings.physics_of_1_4 = checks.boolean(value, "env.use_physics_of_1_4(value)")
         if value:

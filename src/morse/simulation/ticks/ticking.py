@@ -349,7 +349,12 @@ class Ticker:
         self._clock.advance()
         if self._busy:
             self._guard.each(self._busy, _update_pose, self._guard.deactivate)
-        # before the sensors: who has slept until this time is awake when its messages arrive
+        if not self._context.world.physics_of_1_4:
+            # before the sensors: who has slept until this time is awake when its messages arrive
+            self._end_services()
+
+    def _end_services(self) -> None:
+        """End the services that are due at this time, such as sleeps, and answer them."""
         if alarmed := self._alarmed():
             self._guard.each(alarmed, _act, self._stop_serving)
         if any(self._services.signs):
@@ -375,6 +380,9 @@ class Ticker:
     def _show(self) -> None:
         if self.observers:
             self._guard.each(self.observers, after_tick, self._dismiss)
+        if self._context.world.physics_of_1_4:
+            # there, who had slept was awake when the messages of this time had been sent, and waited for the next ones
+            self._end_services()
         if self._clock.tick >= self._review_at:
             self._review(self._clock.tick)
 
