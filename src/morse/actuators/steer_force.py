@@ -32,8 +32,8 @@ class SteerForce(Actuator):
     braked by 0.1 times, each rear wheel by 1.3 times the brake force, until the car stands still. The car turns about a
     point on the line of its rear axle: its yaw rate is v tan(steer) / wheelbase. Without force it keeps rolling.
 
-    With ``env.use_physics_of_1_4()`` the force accelerates twice the mass, the car has rolling friction, and the brake is
-    an impulse, N s, of each tick, by which the car loses at most 4 m/s each second.
+    With ``env.use_physics_of_1_4()`` the force accelerates twice the mass, the car has rolling friction, and the brake
+    is an impulse, N s, of each tick, by which the car loses at most 4 m/s each second.
     """
 
     _name = "Steer, force, brake"

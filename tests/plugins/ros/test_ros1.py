@@ -115,7 +115,7 @@ def test_streams_with_the_class_names_of_1_4(said: Any) -> None:
     # 1.4 chose other messages by the class of the stream
     assert said["where"] == pytest.approx([7.0, 8.0, 1.0], abs=1e-3)
     assert said["world to other"] == pytest.approx([7.0, 8.0, 1.0], abs=1e-3)
-    assert said["mast"] == ["/base_link", [pytest.approx(0.1), pytest.approx(0.2), pytest.approx(1.0)]]
+    assert said["mast"] == ["base_link", [pytest.approx(0.1), pytest.approx(0.2), pytest.approx(1.0)]]
     assert said["pull"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-3)
     assert "/other/lens/image_raw" not in said["missing"]
 

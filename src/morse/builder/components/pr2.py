@@ -11,6 +11,7 @@ from morse.builder.components.robot import GroundRobot
 from morse.builder.creator import ActuatorCreator, SensorCreator
 from morse.builder.errors import checks
 from morse.middleware import registry
+from morse.middleware.legacy.sockets.jointstate import JOINTS
 
 if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
@@ -117,7 +118,9 @@ class BarePR2(GroundRobot):
 
 def _joint_options(middleware: str, options: Options) -> Options:
     """Return the options of the stream of all joints; in 1.4, its topic was not one of the robot."""
-    return {"topic": "/joint_states", **options} if registry.middleware(middleware).takes_old_names else options
+    if not registry.middleware(middleware).takes_old_names:
+        return options
+    return {"topic": "/joint_states", "joints": list(JOINTS), **options}
 
 
 class BasePR2(BarePR2):

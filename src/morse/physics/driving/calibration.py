@@ -27,7 +27,7 @@ _YAW_LOSS = 0.4
 #: linear damping of a body that only forces move, relative to that of a driven robot
 FREE_DAMPING = 0.6
 #: yaw rate of a robot that skids on more than two wheels, relative to its command
-SKIDDING = 0.98
+SKIDDING = 0.985
 
 
 def friction_of(body: BodySettings) -> float:

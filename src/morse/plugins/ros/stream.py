@@ -14,7 +14,7 @@ from morse.rosmsgs.parts import as_json, from_quaternion, from_xyz, header, head
 from morse.rosmsgs.table import Inlet, Outlet, Qos, topics
 from morse.rosmsgs.topics.rosout import LogTopic, text_of
 from morse.rosmsgs.topics.stream import Sending, TopicStream
-from morse.rosmsgs.topics.transforms import Transforms
+from morse.rosmsgs.topics.transforms import Transforms, transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -160,6 +160,7 @@ def _from_wrench(message: RosMessage) -> RosMessage:
 #: frames of the messages of 1.4 by kind; the frames of all other messages have the names of their topics
 _OF_1_4 = {"pose": "/map", "odometry": "/odom", "imu": "/imu", "scan": "/base_laser_link", "twist": "/base_link"}
 _CHILD = "/base_footprint"
+_SECOND = 10**9
 
 
 class RosStream(TopicStream):
@@ -207,7 +208,14 @@ class RosStream(TopicStream):
         return several and all(bound.kind.name == "joints" for bound in self.kinds)
 
     def _all_joints(self, message: Message, frame: str) -> RosMessage:
-        return joint_state([bound.gather() for bound in self.kinds])
+        content = joint_state([bound.gather() for bound in self.kinds])
+        measured = content["name"]
+        # in the order of 1.4
+        content["name"] = names = list(dict.fromkeys([*self.kwargs["joints"], *measured]))
+        for quantity in ("position", "velocity", "effort"):
+            values = dict(zip(measured, content[quantity], strict=False))
+            content[quantity] = [values.get(name, 0.0) for name in names] if values else []
+        return content
 
     # -- transforms of 1.4 -------------------------------------------------------------------
 
@@ -215,12 +223,20 @@ class RosStream(TopicStream):
         """The transforms on ``/tf`` in each tick: of a camera on its robot, of the objects that a camera recognises."""
         component: Any = self.component_instance
         if component.is_camera and self.kwargs["pub_tf"]:
-            yield self.kwargs["parent_frame_id"], self.own_frame(), component.sensor_to_robot_position_3d()
+            yield (
+                self.kwargs["parent_frame_id"] or "/base_link",
+                self.own_frame(),
+                component.sensor_to_robot_position_3d(),
+            )
         for bound in self.kinds:
             if bound.kind.name == "detections" and component.active:
                 parent = self.own_frame() if getattr(component, "relative", False) else "/map"
                 for record in bound.gather().records:
                     yield parent, str(record["id"]), pose_of(record["position"], record["orientation"])
+
+    def repeated_transforms(self) -> Iterator[Frame]:
+        """The transforms on ``/tf`` once a second, which are valid for the next second."""
+        yield from ()
 
     def fixed_transforms(self) -> Iterator[Frame]:
         """The transforms on ``/tf_static``."""
@@ -228,7 +244,29 @@ class RosStream(TopicStream):
 
 
 class TransformsOf14(Transforms):
-    """From ``/odom`` to ``/base_footprint`` for each odometry sensor, and those of `RosStream.transforms`."""
+    """From ``/odom`` to ``/base_footprint`` for each odometry sensor, and those of `RosStream`."""
+
+    #: time of the last repeated transforms, ns
+    _repeated = -_SECOND
+
+    def publish(self, stamp: int, *, wanted: bool) -> Callable[[], object] | None:
+        """See `Transforms.publish`."""
+        moving = super().publish(stamp, wanted=wanted)
+        # simulated time goes back at a restart
+        if moving is None or 0 <= stamp - self._repeated < _SECOND:
+            return moving
+        each = (stream for frames in self._robots.values() for stream in _streams(frames))
+        # tf looks up the present time between two stamps
+        repeated = [transform(stamp + _SECOND, *one) for stream in each for one in stream.repeated_transforms()]
+        if not repeated:
+            return moving
+        self._repeated = stamp
+
+        def send() -> None:
+            moving()
+            self._send({"transforms": repeated})
+
+        return send
 
     def add(self, stream: Any, *, lenient: bool = False) -> None:
         """See `Transforms.add`: the frames of 1.4 do not contain the robot, and several sensors may publish them."""

@@ -107,22 +107,27 @@ class TFPublisher(_OnlyTransforms):
 
 
 class StaticTFPublisher(_OnlyTransforms):
-    """The transform from ``parent_frame_id``, ``/base_link``, to the component, on ``/tf``."""
+    """The transform from ``parent_frame_id``, ``base_link``, to ``child_frame_id``, ``/ROBOT/COMPONENT``.
+
+    It is published on ``/tf`` once a second, with the time of a second later.
+    """
 
     def _mounted(self) -> Iterator[Frame]:
-        child = self.kwargs["child_frame_id"] or self.own_frame()
-        yield self.kwargs["parent_frame_id"], child, self.component_instance.sensor_to_robot_position_3d()
+        options = self.kwargs
+        child = options["child_frame_id"] or options["frame_id"]
+        child = child or self.names.topic(self.component_instance, options)
+        yield options["parent_frame_id"] or "base_link", child, self.component_instance.sensor_to_robot_position_3d()
 
-    def transforms(self) -> Iterator[Frame]:
-        """See `RosStream.transforms`."""
+    def repeated_transforms(self) -> Iterator[Frame]:
+        """See `RosStream.repeated_transforms`."""
         yield from self._mounted()
 
 
 class StaticTF2Publisher(StaticTFPublisher):
-    """The same on ``/tf_static``, once."""
+    """The same on ``/tf_static``, once, with the present time."""
 
-    def transforms(self) -> Iterator[Frame]:
-        """See `RosStream.transforms`."""
+    def repeated_transforms(self) -> Iterator[Frame]:
+        """See `RosStream.repeated_transforms`."""
         yield from ()
 
     def fixed_transforms(self) -> Iterator[Frame]:
