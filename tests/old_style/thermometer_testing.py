@@ -26,6 +26,16 @@ class ThermometerTest(MorseTestCase):
             morse.sleep(0.1)
             self.assertAlmostEqual(thermometer.get()["temperature"], 15.0 + 200.0 * 2.718281828**-2.0, delta=0.1)
 
+    def test_the_fire_grows(self):
+        with Morse() as morse:
+            thermometer = morse.robot.thermometer
+            temperatures = [thermometer.get()["temperature"]]
+            for _ in range(2):
+                morse.sleep(2.0)
+                temperatures.append(thermometer.get()["temperature"])
+            self.assertTrue(temperatures[0] < temperatures[1] < temperatures[2], temperatures)
+            self.assertAlmostEqual(temperatures[2], 15.0 + 3.66, delta=0.05)
+
 
 ########################## Run these tests ##########################
 if __name__ == "__main__":

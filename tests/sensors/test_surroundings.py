@@ -158,3 +158,23 @@ def test_a_clock(simulate):
     simulation.sleep(1.5)
     assert simulation.context.component("robot.clock").local_data == {"timestamp": pytest.approx(1.5)}
     assert bind(simulation.context.component("robot.clock"))[0].gather().now == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("growth", "factor"), [("0.1", 1.2), ("-0.1", 0.8), ("-9.0", 0.0), ("'fast'", 1.0), ("0", 1.0)]
+)
+def test_a_fire_that_grows(simulate, growth, factor):
+    simulation = simulate(
+        f"""
+robot = FakeRobot()
+thermometer = Thermometer()
+robot.append(thermometer)
+fire = Cube("fire")
+fire.properties(Fire=True, Fire_Growth={growth})
+fire.translate(x=5.0)
+""",
+        sockets=False,
+    )
+    simulation.sleep(2.0)
+    heat = simulation.context.component("robot.thermometer").local_data["temperature"] - 15.0
+    assert heat == pytest.approx(factor * 200.0 * math.exp(-1.0))

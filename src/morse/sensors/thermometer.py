@@ -22,8 +22,9 @@ class Thermometer(Sensor):
     """Measures a temperature that rises exponentially towards fires.
 
     ``T = T0 + Σ Tf exp(-α d)`` over all objects that have the property ``FireTag``, with d their distance in metres.
-    Tf is the value of that property, if it is a number, and ``FireTemperature`` otherwise. T0 is
-    ``DefaultTemperature``. If a script does not set it, T0 is ``env.properties(Temperature=...)``, if there is one.
+    Tf is the value of that property, if it is a number, and ``FireTemperature`` otherwise. A fire with a property
+    ``Fire_Growth`` (the tag and ``_Growth``) grows by this share of Tf each second, as that of ``land-1/rosace_1``. T0
+    is ``DefaultTemperature``. If a script does not set it, T0 is ``env.properties(Temperature=...)``, if there is one.
     """
 
     _name = "Thermometer"
@@ -71,8 +72,15 @@ class Thermometer(Sensor):
                 continue
             distance = math.dist(here, obj.world_pose()[0])
             if distance <= self._fire_range:
-                temperature += self._heat_of(obj.properties[tag]) * math.exp(-self._alpha * distance)
+                heat = self._heat_of(obj.properties[tag]) * self._size_of(obj.properties.get(f"{tag}_Growth"))
+                temperature += heat * math.exp(-self._alpha * distance)
         self.local_data["temperature"] = temperature
+
+    def _size_of(self, growth: object) -> float:
+        """The present size of a fire relative to that at the start, from its growth per second."""
+        if isinstance(growth, (int, float)) and math.isfinite(growth):
+            return max(0.0, 1.0 + growth * self.clock.tick / self.clock.frequency)
+        return 1.0
 
     def _heat_of(self, value: object) -> float:
         # 1 is a truth value: custom properties of .blend files have no booleans

@@ -64,5 +64,5 @@ def signs() -> None:
     exact("WayPoint", pole, (0.42, 0.42, 4), (0, 0, 2), (70, -35, 0), physics_type="NO_COLLISION")
     glow = material("Fire", "#ff6a1f", 0.8, glow=1.5)
     dome = ellipsoid(25, 25, 1.875, columns=40, rows=10).moved(z=-1.875).painted(glow)
-    burning = {"Fire": True, "Fire_Radius": 25.0, "physics_type": "NO_COLLISION"}
+    burning = {"Fire": True, "Fire_Radius": 25.0, "Fire_Growth": 0.0002, "physics_type": "NO_COLLISION"}
     exact("Fire_Sphere", [dome], (50, 50, 3.75), (0, 0, -1.88), (60, 0, 0), (-math.pi, 0, -math.pi), **burning)

@@ -142,6 +142,8 @@ class Camera:
         self._stamp = 0
         #: number of photos to be taken, infinite without a limit; their interval, ns; the time of the next one, ns
         self._left, self._interval, self._due = 0.0, 0, 0
+        #: time of the next photo at the earliest, ns; number of the last command for a single photo, 0 for none
+        self._earliest, self._number = 0, 0.0
         #: m between photos, 0 for none, and where the last one was taken
         self._spacing, self._last_place = 0.0, (0.0, 0.0, 0.0)
 
@@ -172,12 +174,16 @@ class Camera:
         return _ACCEPTED
 
     def _start(self, params: tuple[float, ...]) -> int:
-        interval, count = params[1:3]
+        interval, count, number = params[1:4]
         if not (0.0 <= interval < 1e6 and 0.0 <= count < 1e9):
             return _DENIED
-        if not self._has_image():
+        number = number if count == 1.0 and number > 0.0 else 0.0
+        if number and number == self._number:
+            return _ACCEPTED  # it is sent again, because its answer was lost
+        # there is one sequence at a time, which continues
+        if self._left > 0.0 or not self._has_image():
             return _TRY_AGAIN
-        self._left, self._due = count or math.inf, self._stamp
+        self._left, self._due, self._number = count or math.inf, max(self._stamp, self._earliest), number
         self._interval = round(max(interval, _SHORTEST) * _SECOND)
         self._shoot()
         return _ACCEPTED
@@ -194,14 +200,14 @@ class Camera:
         # the third parameter: take one at once
         self._last_place = self._flight.now.position
         if spacing and params[2] == 1.0:
-            self._left += 1.0
+            self._left = max(self._left, 1.0)
         return _ACCEPTED
 
     def _set_mode(self, params: tuple[float, ...]) -> int:
         return _ACCEPTED if params[1] == _MODE_IMAGE else _DENIED
 
     def _digicam(self, params: tuple[float, ...]) -> int:
-        return self._start((0.0, 0.0, 1.0)) if params[4] == 1.0 else _ACCEPTED
+        return self._start((0.0, 0.0, 1.0, 0.0)) if params[4] == 1.0 else _ACCEPTED
 
     def _format(self, params: tuple[float, ...]) -> int:
         if params[1] == 1.0:
@@ -221,7 +227,8 @@ class Camera:
         if self._left <= 0.0 or self._stamp < self._due or not self._has_image():
             return
         self._left -= 1.0
-        self._due = self._stamp + max(self._interval, round(_SHORTEST * _SECOND))
+        self._earliest = self._stamp + round(_SHORTEST * _SECOND)
+        self._due = max(self._stamp + self._interval, self._earliest)
         flight = self._flight
         body: Any = self._sensor.bge_object
         position, rotation = body.world_pose()
@@ -246,6 +253,7 @@ class Camera:
         """Take the photos that are due at a simulated time, ns."""
         if stamp < self._stamp:  # the simulation has started again
             self._left, self._spacing = 0.0, 0.0
+            self._due, self._earliest, self._number = 0, 0, 0.0
         self._stamp = stamp
         self._shoot()
 
