@@ -145,3 +145,51 @@ env.use_physics_of_1_4()
     assert measured == [pytest.approx(pair, abs=0.2) for pair in expected]
     pose = made.context.component("robot.pose").local_data
     assert (pose["pitch"], pose["roll"]) == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(("axis", "direction", "angle"), [(0, 1.0, "theta_c"), (1, -1.0, "phi_c")])
+def test_a_stabilized_quadrotor_in_rounds_of_62_ticks(simulate, axis, direction, angle):
+    made = simulate(
+        """
+robot = Quadrotor()
+motion = StabilizedQuadrotor()
+robot.append(motion)
+robot.append(Pose("pose"))
+env = Environment("empty")
+env.use_physics_of_1_4()
+""",
+        sockets=False,
+    )
+    level = {"theta_c": 0.0, "phi_c": 0.0, "psi_c": 0.0, "h_c": 0.0}
+    made.step(10)
+    for given, distance in ((0.1, 0.4), (0.1, 1.8), (0.0, 4.0), (0.0, 6.2)):
+        made.robot.motion.publish({**level, angle: given})
+        # a client that publishes, sleeps for a second and waits for a message
+        made.step(62)
+        assert place(made)[axis] == pytest.approx(direction * distance, abs=0.2)
+
+
+def test_a_robot_turns_about_several_axes_at_the_commanded_rates(simulate):
+    made = simulate(
+        """
+robot = Quadrotor()
+robot.translate(z=10.0)
+motion = Orientation()
+motion.properties(speed=0.5)
+robot.append(motion)
+robot.append(Attitude("attitude"))
+env = Environment("empty")
+env.set_gravity(0.0)
+env.use_physics_of_1_4()
+""",
+        sockets=False,
+    )
+    made.robot.motion.publish({"yaw": 2.0, "pitch": 0.0, "roll": 0.0})
+    made.sleep(6.0)
+    made.robot.motion.publish({"yaw": 3.0, "pitch": 1.0, "roll": 0.0})
+    # a client that sleeps for half a second measures in tick 32, between two corrections of the roll
+    made.step(30)
+    for _ in range(3):
+        made.step(1)
+        rates = made.context.component("robot.attitude").local_data["angular_velocity"]
+        assert list(rates) == pytest.approx([0.0, 0.5, 0.5], abs=0.003)

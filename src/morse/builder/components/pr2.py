@@ -11,7 +11,6 @@ from morse.builder.components.robot import GroundRobot
 from morse.builder.creator import ActuatorCreator, SensorCreator
 from morse.builder.errors import checks
 from morse.middleware import registry
-from morse.middleware.legacy.sockets.jointstate import JOINTS
 
 if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
@@ -120,6 +119,8 @@ def _joint_options(middleware: str, options: Options) -> Options:
     """Return the options of the stream of all joints; in 1.4, its topic was not one of the robot."""
     if not registry.middleware(middleware).takes_old_names:
         return options
+    from morse.middleware.socket.publishers_of_1_4 import JOINTS  # late: most scenes need nothing of the socket here
+
     return {"topic": "/joint_states", "joints": list(JOINTS), **options}
 
 
