@@ -7,9 +7,10 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from morse.middleware.sockets.jointstate import JOINTS, PR2JointStatePublisher
+from morse.middleware.sockets.jointstate import PR2JointStatePublisher
 
 from morse.core.exceptions import MorseRPCInvokationError
+from morse.robots.pr2 import PR2
 
 SCENE = """
 from morse.builder import *
@@ -104,10 +105,10 @@ def test_joint_values_on_the_socket_are_one_flat_object_of_45_joints(simulation)
     simulation.step(2)
     data = component(simulation, "pr2.joint_state").local_data
     publisher = PR2JointStatePublisher.__new__(PR2JointStatePublisher)
-    publisher.component_instance = SimpleNamespace(local_data=data)
+    publisher.component_instance = SimpleNamespace(local_data=data, robot_parent=component(simulation, "pr2"))
     sent = json.loads(publisher.encode())
-    assert list(sent) == ["timestamp", *JOINTS]
-    assert len(JOINTS) == len(set(JOINTS)) == 45
+    assert list(sent) == ["timestamp", *PR2.all_joints]
+    assert len(PR2.all_joints) == len(set(PR2.all_joints)) == 45
     assert sent["head_pan_joint"] == pytest.approx(0.3)
     assert sent["timestamp"] == data["timestamp"]
     # the model has no fingers that move

@@ -10,10 +10,33 @@ from morse.core.validation.arguments import Range
 from morse.robots.grasping import GraspingRobot
 
 _LIFT = "torso_lift_joint"
+_CASTERS = [
+    f"{corner}_caster_{part}_joint"
+    for corner in ("fl", "fr", "bl", "br")
+    for part in ("rotation", "l_wheel", "r_wheel")
+]
+_ARM = (
+    *("shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex", "forearm_roll", "wrist_flex", "wrist_roll"),
+    *("gripper", "gripper_l_finger", "gripper_r_finger", "gripper_r_finger_tip", "gripper_l_finger_tip"),
+    *("gripper_motor_screw", "gripper_motor_slider"),
+)
+#: the joints of a real one, in the order of MORSE 1.4
+_JOINTS = (
+    *_CASTERS,
+    *("torso_lift_joint", "torso_lift_motor_screw_joint"),
+    *("head_pan_joint", "head_tilt_joint", "laser_tilt_mount_joint"),
+    *(f"{side}_{part}_joint" for side in ("r", "l") for part in _ARM),
+)
 
 
 class PR2(GraspingRobot):
-    """A robot with a torso that rises, a head, and two arms; they are components of the robot (`Armature`)."""
+    """A robot with a torso that rises, a head, and two arms; they are components of the robot (`Armature`).
+
+    Attributes:
+        all_joints: names of the joints of a real PR2, for messages that have all of them; not all are simulated.
+    """
+
+    all_joints = _JOINTS
 
     hand_bone = "r_wrist_roll_joint"
 

@@ -117,11 +117,7 @@ class BarePR2(GroundRobot):
 
 def _joint_options(middleware: str, options: Options) -> Options:
     """Return the options of the stream of all joints; in 1.4, its topic was not one of the robot."""
-    if not registry.middleware(middleware).takes_old_names:
-        return options
-    from morse.middleware.socket.publishers_of_1_4 import JOINTS  # late: most scenes need nothing of the socket here
-
-    return {"topic": "/joint_states", "joints": list(JOINTS), **options}
+    return {"topic": "/joint_states", **options} if registry.middleware(middleware).takes_old_names else options
 
 
 class BasePR2(BarePR2):

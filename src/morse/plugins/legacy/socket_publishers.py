@@ -47,25 +47,6 @@ class DepthCameraPublisher(SocketPublisher):
         return None if camera.capturing is False else cloud_fields(camera, self.data)
 
 
-_CASTERS = [
-    f"{corner}_caster_{part}_joint"
-    for corner in ("fl", "fr", "bl", "br")
-    for part in ("rotation", "l_wheel", "r_wheel")
-]
-_ARM = (
-    *("shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex", "forearm_roll", "wrist_flex", "wrist_roll"),
-    *("gripper", "gripper_l_finger", "gripper_r_finger", "gripper_r_finger_tip", "gripper_l_finger_tip"),
-    *("gripper_motor_screw", "gripper_motor_slider"),
-)
-#: the joints that a PR2 reports
-JOINTS = (
-    *_CASTERS,
-    *("torso_lift_joint", "torso_lift_motor_screw_joint"),
-    *("head_pan_joint", "head_tilt_joint", "laser_tilt_mount_joint"),
-    *(f"{side}_{part}_joint" for side in ("r", "l") for part in _ARM),
-)
-
-
 class PR2JointStatePublisher(SocketPublisher):
     """One object with ``timestamp`` and all joints of a PR2, rad or m; joints that no sensor measures are 0."""
 
@@ -75,4 +56,5 @@ class PR2JointStatePublisher(SocketPublisher):
         for joints in self.data.values():
             if isinstance(joints, dict):
                 positions.update(joints)
-        return to_json({"timestamp": self.data["timestamp"], **{name: positions.get(name, 0.0) for name in JOINTS}})
+        names = getattr(self.component_instance.robot_parent, "all_joints", positions)
+        return to_json({"timestamp": self.data["timestamp"], **{name: positions.get(name, 0.0) for name in names}})

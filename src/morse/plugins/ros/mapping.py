@@ -25,7 +25,6 @@ MANAGER_OPTIONS = {
 STREAM_OPTIONS = {
     **{name: option for name, option in ROS2_OPTIONS.items() if name != "qos"},
     "parent_frame_id": Option(str, None, "parent frame of a camera, as named by 1.4: /base_link by default"),
-    "joints": Option(list, [], "names of all joints in a message of several sensors; those not measured are at 0"),
     "pub_tf": Option(bool, True, "publish the transform of a camera"),
     "infinite": Option(bool, False, "rays that hit nothing have an infinite range, not the maximum one"),
     "topic_suffix": Option(str, None, "name of the topic of images, replaces /image"),

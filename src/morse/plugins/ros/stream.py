@@ -210,8 +210,9 @@ class RosStream(TopicStream):
     def _all_joints(self, message: Message, frame: str) -> RosMessage:
         content = joint_state([bound.gather() for bound in self.kinds])
         measured = content["name"]
-        # in the order of 1.4
-        content["name"] = names = list(dict.fromkeys([*self.kwargs["joints"], *measured]))
+        # joints that are not simulated are at 0
+        joints = getattr(self.component_instance.robot_parent, "all_joints", ())
+        content["name"] = names = list(dict.fromkeys([*joints, *measured]))
         for quantity in ("position", "velocity", "effort"):
             values = dict(zip(measured, content[quantity], strict=False))
             content[quantity] = [values.get(name, 0.0) for name in names] if values else []
