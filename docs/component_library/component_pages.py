@@ -19,7 +19,7 @@ from component_library.declared import (
 from component_library.markdown import block, code, page, prose, section, table
 from morse.builder import workspace
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
-from morse.builder.names.classes import load_class
+from morse.builder.names.catalog import load_class
 from morse.core.classes.builder_defaults import BuilderDefaults, builder_defaults
 from morse.core.declarations import data_fields
 from morse.core.object import Object

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from component_library import component_pages
 from component_library.markdown import code, page, section, table
-from morse.builder.names.classes import load_class
+from morse.builder.names.catalog import load_class
 from morse.core.declarations import data_fields, kinds
 from morse.core.kinds.table import GENERAL
 from morse.middleware import registry

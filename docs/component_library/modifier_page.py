@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from component_library.declared import shown
 from component_library.markdown import code, page, prose, section, table
 from morse.builder.names import catalog
-from morse.builder.names.classes import load_class
+from morse.builder.names.catalog import load_class
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

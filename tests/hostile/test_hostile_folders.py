@@ -12,7 +12,7 @@ import pytest
 import morse
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.builder import bpymorse  # noqa: F401  # the builder is loaded before the folder can hide a module
-from morse.builder.names.places import source_folders
+from morse.builder.names.project_files import source_folders
 from morse.core.exceptions import MorseError
 from morse.recording.mcap.writer import McapWriter
 from morse.system.free_names import free_path

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import morse.builder
 from morse.builder import actuators, robots, sensors
-from morse.builder.names.classes import load_class
+from morse.builder.names.catalog import load_class
 from morse.core import declarations
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from morse import mathutils
 from morse.builder import actuators, bpymorse, robots, sensors
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.components.component import Component
-from morse.builder.components.lasers import LaserSensorWithArc
 from morse.builder.components.passive import PassiveObject, Zone
 from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
+from morse.builder.components.sensors import LaserSensorWithArc
 from morse.builder.components.solids import (
     Camera,
     Cone,

@@ -12,10 +12,10 @@ from morse.builder.components.interfaces import Interfaces
 from morse.builder.components.models import Models
 from morse.builder.data import Configuration
 from morse.builder.errors import checks
-from morse.builder.errors.angles import hint_at_radians
+from morse.builder.errors.checks import hint_at_radians
 from morse.builder.errors.declared import check_declared, warn_if_misspelled
 from morse.builder.names import frames, naming
-from morse.builder.names.classes import load_class
+from morse.builder.names.catalog import load_class
 from morse.builder.names.part import Part, Strength
 from morse.builder.objects import SceneObject, checked_property, timer
 from morse.core import declarations

@@ -1,6 +1,7 @@
 # Written by `python -m tools` from what the components declare: do not edit.
 
 from typing import Any, Literal
+from morse.builder.components.actuators_with_parts import Joystick as Joystick
 from morse.builder.components.actuators_with_parts import LedArray as LedArray
 from morse.builder.components.actuators_with_parts import Light as Light
 from morse.builder.components.actuators_with_parts import MotionVWDiff as MotionVWDiff
@@ -8,7 +9,6 @@ from morse.builder.components.actuators_with_parts import PTU as PTU
 from morse.builder.components.actuators_with_parts import Sound as Sound
 from morse.builder.components.armatures import Armature as Armature
 from morse.builder.components.armatures import KukaLWR as KukaLWR
-from morse.builder.components.joystick import Joystick as Joystick
 from morse.builder.creator import ActuatorCreator as ActuatorCreator
 
 __all__ = [

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.assets.search import MORSE_COMPONENTS, resource_dirs
 from morse.builder import workspace
 from morse.builder.components.interfaces import Interfaces
-from morse.builder.names.modifiers import modifier_classes
+from morse.builder.names.catalog import modifier_classes
 from morse.core.reports.quoting import closest
 from morse.middleware import registry
 

@@ -7,14 +7,16 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.components import actuators_with_parts, armatures
-from morse.builder.components.cameras import VLP16_180, CameraCreator, Kinect
-from morse.builder.components.compound import CompoundSensor
-from morse.builder.components.contact_sensors import ContactSensor
-from morse.builder.components.declared import DRIVES, DeclaredRobot, robot_defaults
-from morse.builder.components.human import Human
-from morse.builder.components.joystick import Joystick
-from morse.builder.components.lasers import LaserSensorWithArc
-from morse.builder.components.morsy import Morsy
+from morse.builder.components.actuators_with_parts import Joystick
+from morse.builder.components.robots import DRIVES, DeclaredRobot, Human, Morsy, robot_defaults
+from morse.builder.components.sensors import (
+    VLP16_180,
+    CameraCreator,
+    CompoundSensor,
+    ContactSensor,
+    Kinect,
+    LaserSensorWithArc,
+)
 from morse.builder.creator import ActuatorCreator, SensorCreator
 from morse.builder.names import catalog
 from morse.core.classes.builder_defaults import builder_defaults

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, SupportsIndex, TypeVar, overloa
 
 from morse.builder import workspace
 from morse.builder.errors import checks
-from morse.builder.errors.angles import hint_at_radians
+from morse.builder.errors.checks import hint_at_radians
 from morse.mathutils import Euler, Vector
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from morse.builder.components.pr2 import BarePR2, BasePR2, LocalizedPR2, NavPR2
+from morse.builder.components.robots import BarePR2, BasePR2, LocalizedPR2, NavPR2
 from morse.builder.derive import derived_classes
 
 _derived = derived_classes("morse.robots", __name__)

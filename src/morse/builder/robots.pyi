@@ -1,16 +1,16 @@
 # Written by `python -m tools` from what the components declare: do not edit.
 
 from typing import Any
-from morse.builder.components.declared import DeclaredRobot as DeclaredRobot
-from morse.builder.components.human import Human as Human
-from morse.builder.components.morsy import Morsy as Morsy
-from morse.builder.components.pr2 import BarePR2 as BarePR2
-from morse.builder.components.pr2 import BasePR2 as BasePR2
-from morse.builder.components.pr2 import LocalizedPR2 as LocalizedPR2
-from morse.builder.components.pr2 import NavPR2 as NavPR2
 from morse.builder.components.robot import GroundRobot as GroundRobot
 from morse.builder.components.robot import Robot as Robot
 from morse.builder.components.robot import WheeledRobot as WheeledRobot
+from morse.builder.components.robots import BarePR2 as BarePR2
+from morse.builder.components.robots import BasePR2 as BasePR2
+from morse.builder.components.robots import DeclaredRobot as DeclaredRobot
+from morse.builder.components.robots import Human as Human
+from morse.builder.components.robots import LocalizedPR2 as LocalizedPR2
+from morse.builder.components.robots import Morsy as Morsy
+from morse.builder.components.robots import NavPR2 as NavPR2
 
 __all__ = [
     "ATRV",

@@ -19,7 +19,7 @@ from morse.builder.assembly.finalise import build_scene
 from morse.builder.errors import ScriptError
 from morse.builder.errors.explain import explain
 from morse.builder.names import frames
-from morse.builder.names.places import resource_folders, source_folders
+from morse.builder.names.project_files import resource_folders, source_folders
 from morse.core.classes.project_imports import ProjectImports
 from morse.scene import SourceLine
 from morse.scene.scene_warnings import about, scene_warnings

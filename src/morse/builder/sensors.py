@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from morse.builder.components.lasers import LaserSensorWithArc  # noqa: F401 (scripts of 1.4 import it here)
+from morse.builder.components.sensors import LaserSensorWithArc  # noqa: F401 (scripts of 1.4 import it here)
 from morse.builder.creator import SensorCreator
 from morse.builder.derive import derived_classes
 

@@ -1,12 +1,12 @@
 # Written by `python -m tools` from what the components declare: do not edit.
 
 from typing import Any, Literal
-from morse.builder.components.cameras import CameraCreator as CameraCreator
-from morse.builder.components.cameras import Kinect as Kinect
-from morse.builder.components.cameras import VLP16_180 as VLP16_180
-from morse.builder.components.compound import CompoundSensor as CompoundSensor
-from morse.builder.components.contact_sensors import ContactSensor as ContactSensor
-from morse.builder.components.lasers import LaserSensorWithArc as LaserSensorWithArc
+from morse.builder.components.sensors import CameraCreator as CameraCreator
+from morse.builder.components.sensors import CompoundSensor as CompoundSensor
+from morse.builder.components.sensors import ContactSensor as ContactSensor
+from morse.builder.components.sensors import Kinect as Kinect
+from morse.builder.components.sensors import LaserSensorWithArc as LaserSensorWithArc
+from morse.builder.components.sensors import VLP16_180 as VLP16_180
 from morse.builder.creator import SensorCreator as SensorCreator
 
 __all__ = [

@@ -205,7 +205,7 @@ def _names_beside(script: Path) -> list[str]:
 
 def _folders_of(function: Callable[[], object]) -> list[str]:
     """The folders of models of the project that contains a function."""
-    from morse.builder.names.places import resource_folders
+    from morse.builder.names.project_files import resource_folders
 
     code = getattr(function, "__code__", None)
     return resource_folders(Path(code.co_filename)) if code is not None and os.path.isfile(code.co_filename) else []

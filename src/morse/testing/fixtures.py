@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import pytest
 
-from morse.builder.names.places import resource_folders
+from morse.builder.names.project_files import resource_folders
 from morse.system import variables
 from morse.testing.follow import unexpected
 from morse.testing.process import SimulationProcess, morse_command

@@ -19,7 +19,7 @@ from morse.builder.assembly.spawning import component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.source import Source
 from morse.builder.editing.writing import variable_name
-from morse.builder.names.places import source_folders
+from morse.builder.names.project_files import source_folders
 from morse.builder.script import describing
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseError

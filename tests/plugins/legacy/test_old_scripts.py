@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.builder.names.classes import load_class
+from morse.builder.names.catalog import load_class
 from morse.builder.script import ScriptError, load_scene
 from morse.plugins.legacy.imports import REMOVED
 from morse.simulation.options import RunOptions

@@ -1,4 +1,4 @@
-"""Actuators with specific parts or arguments."""
+"""Actuators with parts of their own, or with keys."""
 
 from __future__ import annotations
 
@@ -127,3 +127,18 @@ class LedArray(ActuatorCreator):
                 led.properties.update(LedRow=row, LedColumn=column)
                 workspace.current().add(led)
                 workspace.current().attach(self.scene_node, led)
+
+
+class Joystick(ActuatorCreator):
+    """A gamepad at the live view; its component class is `morse.actuators.joystick.Joystick`."""
+
+    _classpath = "morse.actuators.joystick.Joystick"
+
+    def __init__(self, name: str | None = None, index: int = 0) -> None:
+        """Create a joystick.
+
+        Args:
+            index: pair of axes of the gamepad: 0 for the first stick.
+        """
+        super().__init__(name)
+        self.properties(Index=checks.integer(index, "Joystick(index)", minimum=0))

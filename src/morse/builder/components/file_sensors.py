@@ -6,8 +6,8 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.builder.components.cameras import MOUNTED
-from morse.builder.names.classes import load_class
+from morse.builder.components.sensors import MOUNTED
+from morse.builder.names.catalog import load_class
 from morse.core.declarations import properties
 from morse.mathutils import Euler, Matrix
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from morse.builder.errors import checks
 from morse.builder.errors.declared import modifier_options, stream_options, with_file_options
 from morse.builder.names import frames
-from morse.builder.names.modifiers import find_modifier
+from morse.builder.names.catalog import find_modifier
 from morse.core import declarations
 from morse.core.exceptions import MorseBuilderError, MorseBuilderUnexportableError
 from morse.middleware import registry

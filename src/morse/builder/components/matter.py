@@ -4,16 +4,35 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.assets.body_settings import COLLISIONS
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from morse.core.values import Value
     from morse.scene import Node
+
+
+def set_collision(nodes: Iterable[Node], value: object, what: str) -> None:
+    """Let the meshes among nodes that collide have collision shapes of one kind.
+
+    Args:
+        value: a key of `COLLISIONS`.
+        what: the argument, for messages.
+
+    Raises:
+        TypeError: the value is not a string.
+        ValueError: there is no such kind.
+    """
+    bounds = COLLISIONS[checks.choice(value, [name for name, kind in COLLISIONS.items() if kind], what)]
+    for node in nodes:
+        if node.mesh is not None and node.shapes is None and (node.body.collides or node.body.ghost):
+            node.body.bounds = bounds
+
 
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NoReturn
 
 from morse.builder.abstractcomponent import AbstractComponent
-from morse.builder.components.collision import set_collision
 from morse.builder.components.component import new_object
-from morse.builder.components.matter import Matter
+from morse.builder.components.matter import Matter, set_collision
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError
 

@@ -6,9 +6,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.builder.components.collision import set_collision
 from morse.builder.components.component import Component
-from morse.builder.components.matter import Matter
+from morse.builder.components.matter import Matter, set_collision
 from morse.builder.errors import checks
 from morse.builder.objects import material_slots
 from morse.core.exceptions import MorseBuilderError

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.description import EnvironmentDescription, Wish
 from morse.builder.errors import checks
-from morse.builder.errors.angles import hint_at_radians
+from morse.builder.errors.checks import hint_at_radians
 from morse.builder.names import frames
 from morse.builder.workspace import notice
 from morse.scene import Mist

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.builder.compatibility import value_of_today
 from morse.builder.errors import checks
-from morse.builder.names.classes import load_class
+from morse.builder.names.catalog import load_class
 from morse.core import declarations
 from morse.core.datastream import COMMON_OPTIONS
 from morse.core.exceptions import MorseBuilderNoComponentError

@@ -1,19 +1,30 @@
-"""The catalogue of components and modifiers, read from their files without executing them.
+"""The catalogue of components and modifiers, read from their files without executing them; and their classes.
 
 A scene with three sensors should not load forty sensors, and should not fail because one of the others is broken. A
-class is included if its body sets ``_name`` (components) or ``_names`` (modifiers).
+class is included if its body sets ``_name`` (components) or ``_names`` (modifiers): names in scene scripts. The body of
+a modifier also contains the components for which it is suitable::
+
+    class CoordinatesToNED(AbstractModifier):
+        _names = ("NED",)
+        _components = ("Pose", "GPS")
 """
 
 from __future__ import annotations
 
 import logging
+import pkgutil
+import traceback
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import resolve_name
+from importlib.util import find_spec, resolve_name
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from morse.builder.names import sources
+from morse.builder.errors import checks
+from morse.core.classes import classpath as classpaths
+from morse.core.classes.definitions import indexed
 from morse.core.classes.plugins import entry_points
+from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
@@ -21,8 +32,71 @@ if TYPE_CHECKING:
 
     from morse.core.classes.definitions import Definition
 
-
 logger = logging.getLogger(__name__)
+
+#: file names of the import machinery of Python, which is between a module and its imports in a traceback
+_OURS = str(Path(__file__).parents[2])
+
+
+def load_class(classpath: str) -> type[Any]:
+    """The class of a component, e.g. ``ranger_sim.actuators.eyes.Eyes``.
+
+    Raises:
+        MorseBuilderNoComponentError: the class does not exist, or its file has an error; the message contains the file
+            and the line.
+    """
+    try:
+        return classpaths.load_class(classpath)
+    except classpaths.ClassPathError as error:
+        raise MorseBuilderNoComponentError(str(error)) from None
+    except Exception as error:
+        raise MorseBuilderNoComponentError(_broken(classpath, error)) from error
+
+
+def _broken(classpath: str, error: Exception) -> str:
+    if isinstance(error, SyntaxError):
+        place, message = f"{error.filename}:{error.lineno}", error.msg
+    else:
+        trace = traceback.extract_tb(error.__traceback__)
+        frames = [f for f in trace if not f.filename.startswith(("<frozen", _OURS))] or trace
+        place, message = f"{frames[-1].filename}:{frames[-1].lineno}", str(error)
+    return f"the component class {classpath} cannot be loaded: {type(error).__name__}: {message} ({place})"
+
+
+def classes(package: str) -> Iterator[tuple[str, Definition]]:
+    """The public classes in the files of a package, with the names of their modules.
+
+    Raises:
+        SyntaxError: one of the files cannot be parsed.
+    """
+    for module, file in files(package):
+        for definition in classes_of(file):
+            yield module, definition
+
+
+def files(package: str) -> Iterator[tuple[str, Path]]:
+    """The public modules of a package and their files; empty if the package does not exist."""
+    try:
+        spec = find_spec(package)
+    except ModuleNotFoundError:
+        spec = None
+    for info in pkgutil.iter_modules(spec.submodule_search_locations if spec else ()):
+        if info.ispkg or info.name.startswith("_"):
+            continue
+        finder = info.module_finder
+        module = finder.find_spec(f"{package}.{info.name}", None)
+        if module is None or module.origin is None:
+            continue
+        yield f"{package}.{info.name}", Path(module.origin)
+
+
+def classes_of(file: Path) -> Iterator[Definition]:
+    """The public classes of a file.
+
+    Raises:
+        SyntaxError: the file cannot be parsed.
+    """
+    yield from indexed(file)
 
 
 #: the folders of components
@@ -89,7 +163,7 @@ def base_classes(package: str) -> dict[str, tuple[str, ...]]:
 
 @cache
 def _definitions(package: str) -> tuple[tuple[str, Definition], ...]:
-    return tuple(sources.classes(package))
+    return tuple(classes(package))
 
 
 def _text(defaults: dict[str, object], doc: str) -> str:
@@ -110,10 +184,43 @@ def _own_modifiers() -> tuple[Entry, ...]:
 
 def _modifiers_of(package: str) -> Iterator[Entry]:
     try:
-        for module, definition in sources.classes(package):
+        for module, definition in classes(package):
             if "_names" in definition.attributes:
                 classpath = f"{module}.{definition.name}"
                 yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
     except Exception as error:
         # an error in a third-party package must not prevent the scene from being built
         logger.warning("the modifiers of %s are left out: %r", package, error, extra=OF_MACHINE)
+
+
+def find_modifier(name: str, component: type | None) -> str:
+    """The class path of the modifier of that name for a component.
+
+    Raises:
+        MorseBuilderError: there is no such modifier; the message lists the existing ones.
+    """
+    bases = {base.__name__ for base in component.__mro__} if component is not None else set()
+    suitable: dict[str, str] = {}
+    everywhere: set[str] = set()
+    for entry in modifiers():
+        names = entry.attributes["_names"]
+        everywhere.update(names)
+        if bases & set(entry.attributes.get("_components", ())):
+            suitable.update(dict.fromkeys(names, entry.classpath))
+    if name in suitable:
+        return suitable[name]
+    what = component.__name__ if component is not None else "an object without behaviour"
+    choices = f"; there are {', '.join(sorted(suitable))}" if suitable else f"; there are none for {what}"
+    hint = checks.suggestion(name, suitable) or choices
+    if name in everywhere:
+        raise MorseBuilderError(f"the modifier '{name}' is not for {what}{hint}")
+    raise MorseBuilderError(f"there is no modifier '{name}' for {what}{hint}")
+
+
+def modifier_classes() -> dict[str, dict[str, str]]:
+    """The class paths of all modifiers, by name and by the name of the component class."""
+    classes: dict[str, dict[str, str]] = {}
+    for entry in modifiers():
+        for name in entry.attributes["_names"]:
+            classes.setdefault(name, {}).update(dict.fromkeys(entry.attributes.get("_components", ()), entry.classpath))
+    return classes

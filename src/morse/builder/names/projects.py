@@ -14,9 +14,8 @@ from weakref import WeakKeyDictionary
 
 from morse.builder import workspace
 from morse.builder.derive import builder_class
-from morse.builder.names import catalog, frames, sources
-from morse.builder.names.catalog import KINDS
-from morse.builder.names.classes import load_class
+from morse.builder.names import catalog, frames
+from morse.builder.names.catalog import KINDS, load_class
 from morse.core.classes import builder_defaults
 
 if TYPE_CHECKING:
@@ -66,7 +65,7 @@ class ProjectFinder:
             # also used for projects without a file for builder classes
             return spec or (ModuleSpec(name, None, is_package=True) if any(_files(project)) else None)
         if spec is None or spec.loader is None or spec.origin is None:
-            if not any(True for _ in sources.files(package)):
+            if not any(True for _ in catalog.files(package)):
                 return spec
             folders = [] if spec is None else list(spec.submodule_search_locations or ())
             spec = ModuleSpec(name, _Derived(), is_package=True)  # type: ignore[arg-type] # importlib.abc costs time
@@ -77,7 +76,7 @@ class ProjectFinder:
 
 
 def _files(project: str) -> Iterator[str]:
-    return (module for kind in KINDS for module, _ in sources.files(f"{project}.{kind}"))
+    return (module for kind in KINDS for module, _ in catalog.files(f"{project}.{kind}"))
 
 
 class _Derived:
@@ -128,7 +127,7 @@ class _Classes:
         """
         broken: SyntaxError | None = None
         if not name.startswith("__"):
-            for file in sources.files(self.package):
+            for file in catalog.files(self.package):
                 try:
                     for entry in self._entries(*file):
                         if entry.name == name:
@@ -142,7 +141,7 @@ class _Classes:
     def all(self) -> list[str]:
         """The names of the classes and of the attributes of the module, sorted."""
         names = {name for name in self._variables if not name.startswith("_")}
-        for file in sources.files(self.package):
+        for file in catalog.files(self.package):
             try:
                 names.update(entry.name for entry in self._entries(*file) if "_name" in entry.attributes)
             except SyntaxError:
@@ -150,7 +149,7 @@ class _Classes:
         return sorted(names)
 
     def _entries(self, module: str, file: Any) -> Iterator[Entry]:
-        for definition in sources.classes_of(file):
+        for definition in catalog.classes_of(file):
             if definition.bases:
                 yield from catalog.entries(module, definition, with_name=True)
 

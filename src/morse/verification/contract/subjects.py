@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import morse.builder
 from morse.builder import actuators, robots, sensors
-from morse.builder.names import catalog, sources
+from morse.builder.names import catalog
 from morse.core.reports.faults import describe, user_frames
 from morse.core.reports.quoting import nearest
 
@@ -101,7 +101,7 @@ def _of_file(file: Path) -> list[Subject]:
 
 
 def _components_in(file: Path, module: str) -> Iterator[str]:
-    for definition in sources.classes_of(file):
+    for definition in catalog.classes_of(file):
         if definition.bases:
             for entry in catalog.entries(module, definition, with_name=True):
                 if entry.product is None:

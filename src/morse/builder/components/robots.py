@@ -1,20 +1,153 @@
-"""The PR2 with different equipment; the component class is `morse.robots.pr2.PR2`."""
+"""Robots with bodies or methods of their own, and those that are created from the declarations of their class."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets import search
+from morse.builder import workspace
 from morse.builder.components.armatures import Armature
-from morse.builder.components.compound import CompoundSensor
-from morse.builder.components.lasers import LaserSensorWithArc
-from morse.builder.components.robot import GroundRobot
+from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
+from morse.builder.components.sensors import CompoundSensor, LaserSensorWithArc
 from morse.builder.creator import ActuatorCreator, SensorCreator
 from morse.builder.errors import checks
+from morse.builder.names.catalog import load_class
+from morse.builder.objects import material_slots
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.middleware import registry
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from morse.builder.abstractcomponent import AbstractComponent
     from morse.core.values import Options
+    from morse.scene import Material
+
+#: bones with a target for inverse kinematics
+_TARGETS = ("head", "wrist_L", "wrist_R", "foot_L", "foot_R")
+
+
+class _Skeleton(Armature):
+    _classpath = "morse.actuators.walking_skeleton.WalkingSkeleton"
+
+
+class _JointStates(SensorCreator):
+    _classpath = "morse.sensors.armature_pose.ArmaturePose"
+
+
+#: ``RobotDefaults.drive`` to the builder class that implements it
+DRIVES: Mapping[str, type[Robot]] = {"free": Robot, "ground": GroundRobot, "wheels": WheeledRobot}
+
+
+def robot_defaults(cls: type) -> RobotDefaults:
+    """Return the declaration of a robot class; the default is a ground robot with the model of the same name."""
+    defaults = getattr(cls, "_builder", None)
+    if isinstance(defaults, RobotDefaults):
+        return defaults
+    project, _, file = cls.__module__.rpartition(".robots.")
+    own = f"{project}/robots/{file}.blend"
+    try:
+        search.find(own, "robots")
+    except FileNotFoundError:
+        own = ""
+    wheeled = any(base.__name__ == "PhysicsDifferentialRobot" for base in cls.__mro__)
+    return RobotDefaults(own or None, drive="wheels" if wheeled else "ground")
+
+
+class DeclaredRobot(Robot):
+    """A robot whose model and properties come from the `RobotDefaults` of its component class.
+
+    Args:
+        name: its name, if it differs from the name of the variable that refers to it.
+    """
+
+    def __init__(self, name: str | None = None) -> None:
+        defaults = robot_defaults(load_class(self._classpath))
+        super().__init__(defaults.model or "", name)
+        if defaults.rigid_body:
+            self.set_rigid_body()
+        if not defaults.collides:
+            self.set_no_collision()
+        self.properties(**defaults.properties)
+
+
+class Human(GroundRobot):
+    """A person; the component class is `morse.robots.human.Human`.
+
+    Args:
+        filename: name of the model in ``robots``.
+        name: its name, if it differs from the name of the variable that refers to it.
+
+    Attributes:
+        skeleton: the `Armature` of the person, with targets for the head, the wrists and the feet.
+        joint_states: the `ArmaturePose` of the skeleton.
+    """
+
+    _classpath = "morse.robots.human.Human"
+
+    def __init__(self, filename: str = "human_rig", name: str | None = None) -> None:
+        super().__init__(filename, name)
+        self.skeleton = _Skeleton(armature_name="HumanSkeleton")
+        self.append(self.skeleton)
+        self.skeleton.create_ik_targets(_TARGETS)
+        self.joint_states = _JointStates()
+        self.skeleton.append(self.joint_states)
+        self.skeleton.name, self.joint_states.name = "skeleton", "joint_states"
+
+    def add_interface(self, interface: str, **kwargs: object) -> None:
+        """Connect the skeleton and its joint values to a middleware.
+
+        Args:
+            interface: name of a middleware.
+            **kwargs: options of the streams.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+        """
+        registry.middleware(interface)
+        self.skeleton.add_interface(interface, **kwargs)
+        self.joint_states.add_interface(interface, **kwargs)
+
+
+_MORSY_COLORS = ((0.9, 0.35, 0.1), (0.1, 0.45, 0.8), (0.2, 0.6, 0.25), (0.75, 0.1, 0.3), (0.45, 0.25, 0.7))
+
+
+class Morsy(DeclaredRobot, GroundRobot):
+    """The mascot of MORSE, a small rigid robot to drive around."""
+
+    _classpath = "morse.robots.morsy.Morsy"
+
+    def __init__(self, name: str | None = None) -> None:
+        super().__init__(name)
+        self.set_collision_bounds()
+        self.scene_node.body.radius = 0.08
+
+    def set_color(
+        self, color: Iterable[float] | float | None = None, g: float | None = None, b: float | None = None
+    ) -> None:
+        """Set the colour of its body.
+
+        Args:
+            color: red, green and blue, 0..1, as one sequence; None for a colour that depends on the number of such
+                robots.
+            g: green, if ``color`` is only red.
+            b: blue, if ``color`` is only red.
+        """
+        if color is None:
+            row = [robot for robot in workspace.current().components if isinstance(robot, Morsy)]
+            color = _MORSY_COLORS[row.index(self) % len(_MORSY_COLORS)]
+        elif g is not None or b is not None:
+            color = (color, g or 0.0, b or 0.0)  # type: ignore[assignment]
+        rgb = checks.color(color, "Morsy.set_color(color)")
+        copies: dict[Material | None, Material] = {}
+        for node in self.own_nodes():
+            slots = material_slots(node)
+            for material in slots:
+                if material is not None and "body" in material.name.lower():
+                    copies.setdefault(material, replace(material, color=(*rgb, material.color[3])))
+            node.materials[:] = [copies.get(material, material) for material in slots]
+
 
 #: attributes of the robot to the armatures of the model
 _ARMATURES = {

@@ -1,19 +1,91 @@
-"""Cameras, whose axes are image axes, not those of the robot."""
+"""Builder classes of sensors with methods, parts or arguments of their own."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 from morse.assets import solids
 from morse.builder import workspace
+from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.creator import ComponentCreator, SensorCreator
 from morse.builder.errors import checks
+from morse.core import declarations
+from morse.core.exceptions import MorseBuilderError
 from morse.mathutils import Euler, Matrix, Vector
-from morse.scene import Material, Node, NodeKind
+from morse.scene import Material, Node, NodeKind, PhysicsType
 
 if TYPE_CHECKING:
-    from morse.core.values import Value
+    from morse.core.classes.builder_defaults import Visual
+    from morse.core.values import Options, Value
+
+_SHAPE = ("scan_window", "resolution", "layers", "layer_separation", "layer_offset")
+
+
+class LaserSensorWithArc(SensorCreator):
+    """A laser scanner; its component class is `morse.sensors.laserscanner.LaserScanner`."""
+
+    _classpath = "morse.sensors.laserscanner.LaserScanner"
+
+    def create_laser_arc(self) -> None:
+        """Validate the properties that determine the rays.
+
+        The rays are created from these properties when the simulation starts, even if this method is not called.
+
+        Raises:
+            MorseBuilderError: the properties are not valid for a fan of rays.
+        """
+        # imported on demand, because importing numpy takes time
+        from morse.helpers.fans import fan
+
+        cls = self.component_class()
+        defaults = {} if cls is None else {p.name: p.default for p in declarations.properties(cls).values()}
+        values = [self.property_value(name) for name in _SHAPE]
+        shape = [defaults[name] if value is None else value for name, value in zip(_SHAPE, values, strict=True)]
+        try:
+            fan(*shape)
+        except ValueError as error:
+            raise MorseBuilderError(f"{type(self).__name__}.create_laser_arc(): {error}") from None
+
+
+class ContactSensor(SensorCreator):
+    """A sensor that detects contacts with its own body, which does not collide.
+
+    ``scale`` is half the size of that body along each axis, m.
+    """
+
+    def _add_marker(self, visual: Visual) -> None:
+        node = self.scene_node
+        node.kind = NodeKind.MESH
+        node.mesh, node.materials = self._marker(visual)
+        node.scale[:] = visual.scale
+        node.body.type = PhysicsType.SENSOR
+
+
+class CompoundSensor(SensorCreator):
+    """Several sensors combined; the component class is `morse.sensors.compound.CompoundSensor`."""
+
+    _classpath = "morse.sensors.compound.CompoundSensor"
+
+    def __init__(self, sensors: Iterable[Any], name: str | None = None) -> None:
+        """Combine sensors.
+
+        Args:
+            sensors: the other sensors.
+        """
+        super().__init__(name)
+        if not isinstance(sensors, Iterable):
+            raise TypeError(f"CompoundSensor(sensors) takes a list of sensors, got {checks.shown(sensors)}")
+        self.sensors = list(sensors)
+        for sensor in self.sensors:
+            if not isinstance(sensor, AbstractComponent):
+                raise TypeError(f"CompoundSensor(sensors) takes a list of sensors; one item is {checks.shown(sensor)}")
+
+    def _scene_options(self) -> Options:
+        # the names of the other sensors are known only at this point
+        self.properties(sensors=",".join(sensor.name for sensor in self.sensors))
+        return super()._scene_options()
 
 
 #: orientation of a camera that looks along the X axis of the robot: its X is to the right, its Y down, its Z forward
