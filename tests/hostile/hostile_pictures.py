@@ -16,7 +16,7 @@ import zstandard
 from hostile_meshes import gltf, late, soup, text
 from PIL import Image
 
-sys.path.append(str(Path(__file__).parents[1] / "assets" / "blend"))
+sys.path.append(str(Path(__file__).parents[1] / "plugins" / "blend"))
 from blend_writer import BlendWriter
 
 if TYPE_CHECKING:
