@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,10 +16,12 @@ from morse.kernel.driving import (
     NativeChassis,
     NativeGliders,
     NativePlanes,
+    Placed,
     PlaneArrays,
     StanceArrays,
     turn_by,
 )
+from morse.kernel.memory import address
 from tests.kernel.twins import driving
 
 
@@ -205,3 +208,46 @@ def test_sine_and_cosine(angle):
     cosine, sine = turn_by(angle)
     assert cosine == pytest.approx(math.cos(angle), abs=3e-16)
     assert sine == pytest.approx(math.sin(angle), abs=3e-16)
+
+
+def free_bodies(count):
+    bodies = "".join("<body><freejoint/><geom size='0.1'/></body>" for _ in range(count))
+    return mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+
+
+@given(st.integers(0, 2**32), st.floats(1e-4, 0.1))
+def test_robots_move_as_bodies_of_the_engine(seed, period):
+    """Positions and orientations are those of the engine's own integration and kinematics, up to rounding."""
+    chance = np.random.default_rng(seed)
+    model = free_bodies(5)
+    data = mujoco.MjData(model)
+    data.qpos[:] = chance.normal(size=35)
+    mujoco.mj_normalizeQuat(model, data.qpos)
+    data.qvel[:] = chance.normal(size=30) * (chance.random(30) < 0.7)
+    data.qvel[6:12] = 0.0
+    start, expected = data.qpos.copy(), data.qpos.copy()
+    mujoco.mj_integratePos(model, expected, data.qvel, period)
+    chosen = np.sort(chance.permutation(5)[:3])
+    placed = Placed(7 * chosen, 6 * chosen, chosen, data.qpos)
+    placed.move(address(start), address(data.qvel), period)
+    positions, rotations = np.full((5, 3), np.nan), np.full((5, 9), np.nan)
+    placed.write_poses(address(positions), address(rotations))
+    left = np.setdiff1d(np.arange(5), chosen)
+    assert np.array_equal(data.qpos.reshape(5, 7)[left], start.reshape(5, 7)[left])
+    assert np.isnan(positions[left]).all()
+    assert np.isnan(rotations[left]).all()
+    assert np.allclose(data.qpos.reshape(5, 7)[chosen], expected.reshape(5, 7)[chosen], rtol=0.0, atol=1e-14)
+    mujoco.mj_kinematics(model, data)
+    assert np.array_equal(positions[chosen], data.xpos[1 + chosen])
+    assert np.allclose(rotations[chosen], data.xmat[1 + chosen], rtol=0.0, atol=1e-14)
+
+
+def test_a_velocity_that_is_not_finite_is_that_of_its_robot_alone():
+    qpos = np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 3)
+    start, velocities = qpos.copy(), np.zeros(18)
+    velocities[[0, 5]], velocities[11] = (math.nan, math.inf), 1.0
+    chosen = np.arange(3)
+    Placed(7 * chosen, 6 * chosen, chosen, qpos).move(address(start), address(velocities), 1 / 60)
+    assert not np.isfinite(qpos[:7]).all()
+    assert qpos[7:14].tolist() == pytest.approx([0, 0, 0, math.cos(1 / 120), 0, 0, math.sin(1 / 120)], abs=1e-16)
+    assert qpos[14:].tolist() == start[14:].tolist()

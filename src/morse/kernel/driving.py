@@ -10,11 +10,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.kernel.loading import library
-from morse.kernel.memory import address, addresses
+from morse.kernel.memory import addresses
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
@@ -401,66 +399,101 @@ def planes(arrays: PlaneArrays) -> PlaneWork:
     return NativePlanes(library(), arrays)
 
 
-_POINTERS = "robots model data integrate kinematics qpos positions rotations positions_before rotations_before"
+class _PlacedStructure(ctypes.Structure):
+    """``Placed`` of ``c/course.h``."""
+
+    _fields_ = (("count", c_int64), *((name, c_void_p) for name in ("places", "dofs", "slots", "qpos")))
 
 
 class _CourseStructure(ctypes.Structure):
-    """``Course`` of ``c/glide_ticks.c``."""
+    """``Course`` of ``c/course.h``."""
 
-    _fields_ = (*((name, c_void_p) for name in _POINTERS.split()), ("count", c_int64))
+    _fields_ = (
+        *((name, c_void_p) for name in ("robots", "placed", "positions", "rotations")),
+        *((name, c_void_p) for name in ("positions_before", "rotations_before")),
+        ("count", c_int64),
+    )
 
 
-class Course:
-    """The robots of a world, for `ticks`.
+class Placed:
+    """Robots that glide, in the arrays of the engine.
 
     Args:
-        model, data: addresses of the model and the state of the engine.
-        functions: addresses of ``mj_integratePos`` and ``mj_kinematics``; None if they are not known.
-        qpos: the coordinates in the engine.
-        positions, rotations: (K, 3), (K, 9) views of the poses in the engine.
-        positions_before, rotations_before: results, (K, 3), (K, 9): the poses at the beginning of the last tick.
+        places, dofs: (M,) addresses of the coordinates and the velocities of robots.
+        slots: (M,) their rows among the poses of the world.
+        qpos: the coordinates of the engine.
     """
 
     def __init__(
-        self,
-        model: int,
-        data: int,
-        functions: Sequence[int | None] | None,
-        qpos: NDArray[np.float64],
-        positions: NDArray[np.float64],
-        rotations: NDArray[np.float64],
-        positions_before: NDArray[np.float64],
-        rotations_before: NDArray[np.float64],
+        self, places: NDArray[np.int64], dofs: NDArray[np.int64], slots: NDArray[np.int64], qpos: Floats
     ) -> None:
         kernel = library()
-        self._robots: GliderWork | None = None
-        self._is_able = functions is not None
-        if functions is None:
-            return
-        self._keep = arrays = (qpos, positions, rotations, positions_before, rotations_before)
-        self._structure = _CourseStructure(None, model, data, *functions, *map(address, arrays), len(positions))
+        self._keep = places, dofs, slots, qpos
+        self._structure = _PlacedStructure(len(places), *addresses(*self._keep))
         self._all = ctypes.byref(self._structure)
-        self._run = kernel.morse_glide_ticks
-        self._run.argtypes, self._run.restype = (c_void_p, c_int64), c_int64
+        self._move, self._poses = kernel.morse_glide_move, kernel.morse_glide_poses
+        self._move.argtypes, self._move.restype = (c_void_p, c_void_p, c_void_p, c_double), None
+        self._poses.argtypes, self._poses.restype = (c_void_p, c_void_p, c_void_p), None
 
     @property
     def place(self) -> int:
         """The address of the structure."""
         return ctypes.addressof(self._structure)
 
-    def follow(self, robots: GliderWork) -> bool:
-        """Set the robots; return False if the kernel cannot drive them."""
-        if robots is not self._robots:
-            if not self._is_able or not isinstance(robots, NativeGliders):
-                return False
-            self._robots = robots
-            self._structure.robots = robots.place
+    def move(self, start: int, velocities: int, period: float) -> None:
+        """Set the coordinates of the robots after a time.
+
+        Args:
+            start: address of the coordinates of all bodies at the beginning; may be those of the engine.
+            velocities: address of those of all bodies: linear in the axes of the world, angular in those of each body.
+            period: s.
+        """
+        self._move(self._all, start, velocities, period)
+
+    def write_poses(self, positions: int | None, rotations: int | None) -> None:
+        """Write the rows of the robots in the positions (K, 3) and the rotations (K, 9) of the world, at addresses."""
+        self._poses(self._all, positions, rotations)
+
+
+class Course:
+    """Ticks in which robots of a world only glide.
+
+    Args:
+        positions_before, rotations_before: results, (K, 3), (K, 9): the poses of all bodies that move, at the beginning
+            of the last tick.
+
+    Attributes:
+        positions, rotations: (K, 3), (K, 9) the present poses, which are set before the first tick.
+    """
+
+    def __init__(self, positions_before: Floats, rotations_before: Floats) -> None:
+        self.positions, self.rotations = positions_before.copy(), rotations_before.copy()
+        self._before = positions_before, rotations_before
+        arrays = addresses(self.positions, self.rotations, *self._before)
+        self._structure = _CourseStructure(None, None, *arrays, len(positions_before))
+        self._all = ctypes.byref(self._structure)
+        self._run = library().morse_glide_ticks
+        self._run.argtypes, self._run.restype = (c_void_p, c_int64), c_int64
+        self._keep: tuple[object, ...] = ()
+
+    @property
+    def place(self) -> int:
+        """The address of the structure."""
+        return ctypes.addressof(self._structure)
+
+    def follow(self, robots: GliderWork, placed: Placed, positions: Floats, rotations: Floats) -> bool:
+        """Set the robots, and the present poses (at least K rows); return False if the kernel cannot drive them."""
+        if not isinstance(robots, NativeGliders):
+            return False
+        if self._keep != (robots, placed):
+            self._keep = robots, placed
+            self._structure.robots, self._structure.placed = robots.place, placed.place
+        count = len(self.positions)
+        self.positions[...], self.rotations[...] = positions[:count], rotations[:count]
         return True
 
-    def ticks(self, robots: GliderWork, ticks: int) -> int:
-        """Run ticks; return their number, which is 0 if a robot does not glide, or without the kernel."""
-        if not self.follow(robots):
-            return 0
+    def ticks(self, ticks: int) -> int:
+        """Run ticks; return their number, which is smaller if a robot does not glide."""
         count: int = self._run(self._all, ticks)
         return count
 

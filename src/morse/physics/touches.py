@@ -79,7 +79,7 @@ class Touches:
         """Run steps of the engine."""
         state = self._world
         for _ in range(steps):
-            state.advance(1)
+            state.take_steps(1)
             if state.data.ncon:
                 self._add(state.data, state.model.opt.timestep)
 

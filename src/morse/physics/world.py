@@ -18,8 +18,8 @@ from morse.physics.driving.traction import Traction
 from morse.physics.driving.wheel_fleet import WheelFleet
 from morse.physics.forward import forward, without_contacts
 from morse.physics.gliding.floor_planes import FloorPlanes
-from morse.physics.gliding.free_run import FreeRun
 from morse.physics.gliding.gliding import Gliding
+from morse.physics.gliding.passage import FreeRun
 from morse.physics.model import motors
 from morse.physics.model.compile import compile_scene
 from morse.physics.model.layout import Motion
@@ -326,13 +326,15 @@ class World(RayWorld):
             act()
         kinematics.sync(self)
 
-    def step_freely(self, ticks: int) -> int:
-        """See `morse.core.world.World.step_freely`."""
-        done = self.free_run.run(ticks)
-        if not done and self.drives.is_idle and self._is_idle():
+    def advance(self, ticks: int) -> int:
+        """See `morse.core.world.World.advance`."""
+        done = self.free_run.run(ticks) if ticks > 1 else 0
+        if ticks > 1 and not done and self.drives.is_idle and self._is_idle():
             # nobody is driven, and asks for the poses at the beginning of the last tick
             done = self._steps.run(ticks)
-        return done
+        if not done:
+            self.step()
+        return done or 1
 
     def _is_idle(self) -> bool:
         """Whether no part of the physics but the drives has work."""

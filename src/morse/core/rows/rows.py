@@ -233,7 +233,7 @@ class ActuatorRows(Rows["Actuator"]):
         self._fleet.drive()
 
     def went_on(self, ticks: int) -> None:
-        """Take note of ticks in which the robots went on, of `World.step_freely`."""
+        """Take note of ticks in which the robots went on, of `World.advance`."""
         self.stamp += ticks
         self._poses = self._snapshots.before()
 

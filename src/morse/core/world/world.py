@@ -142,13 +142,15 @@ class World(WorldPoses, Protocol):
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
 
-    def step_freely(self, ticks: int) -> int:
-        """Run at most that many ticks in which robots only glide, or only the engine moves bodies that nobody commands.
+    def advance(self, ticks: int) -> int:
+        """Run ticks with the commands for the next tick: several at once while robots only glide, or while only the
+        engine moves bodies that nobody commands.
 
-        The commands are those for the next tick.
+        Args:
+            ticks: largest number, at least 1.
 
         Returns:
-            The number of ticks, with the bits of as many calls of `step`; 0 if the next tick needs more than that.
+            The number of ticks, at least 1, with the bits of as many calls of `step`.
         """
 
     def fleet(self, objects: Sequence[Body]) -> Fleet:
@@ -368,4 +370,4 @@ class Snapshots(Protocol):
         """Return a snapshot of the present poses."""
 
     def before(self) -> Snapshot:
-        """Return a snapshot of the poses at the beginning of the last tick of `World.step_freely`."""
+        """Return a snapshot of the poses at the beginning of the last tick of `World.advance`."""

@@ -1,4 +1,4 @@
-// The robots of a world that glide for several ticks; see glide_ticks.c.
+// The robots of a world that glide; see glide_ticks.c.
 #pragma once
 
 #include <stdint.h>
@@ -6,20 +6,22 @@
 #include "export.h"
 #include "gliders.h"
 
-// Functions of the engine: mj_integratePos, mj_kinematics.
-typedef void (*Integrate)(const void *model, double *qpos, const double *qvel, double period);
-typedef void (*Kinematics)(const void *model, void *data);
+// Their places in the arrays of the engine and of the world.
+typedef struct {
+    int64_t count;                 // M robots that glide
+    const int64_t *places, *dofs;  // (M) addresses of their coordinates and velocities in the engine
+    const int64_t *slots;          // (M) their rows among the poses of the world
+    double *qpos;                  // coordinates of the engine
+} Placed;
 
 typedef struct {
     const Gliders *robots;
-    const void *model;
-    void *data;
-    Integrate integrate;
-    Kinematics kinematics;
-    double *qpos;                                 // of the engine
-    const double *positions, *rotations;          // (K, 3), (K, 9) of the engine: bodies that move
+    const Placed *placed;
+    double *positions, *rotations;                // (K, 3), (K, 9) results: the poses of all bodies that move
     double *positions_before, *rotations_before;  // results: the same at the beginning of the last tick
     int64_t count;                                // K
 } Course;
 
+MORSE_EXPORT void morse_glide_move(const Placed *all, const double *from, const double *velocities, double period);
+MORSE_EXPORT void morse_glide_poses(const Placed *all, double *positions, double *rotations);
 MORSE_EXPORT int64_t morse_glide_ticks(const Course *course, int64_t ticks);

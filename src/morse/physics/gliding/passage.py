@@ -15,19 +15,26 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.kernel.driving import Course, Placed
+from morse.kernel.memory import address, addresses
 from morse.physics.gliding.glide import FORESIGHT
+from morse.physics.poses.kinematics import sync
 from morse.physics.sleep import WIDE_AWAKE
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection
 
     from numpy.typing import NDArray
 
+    from morse.kernel.driving import GliderWork
+    from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding
+    from morse.physics.poses.rows import Rows
     from morse.physics.state.engine_state import EngineState
 
 #: largest horizontal distance of the centre of mass from the origin, m, that has no effect
 _CENTRED = 1e-7
+_NO_CONTACTS = np.empty((0, 2), dtype=np.int32)
 _NOBODY: frozenset[int] = frozenset()
 
 
@@ -43,11 +50,17 @@ class Passage:
         self._steps = state.steps
         self._period = self._step * state.steps
         self._tree = state.model.body_treeid[state.model.geom_bodyid]
+        state.write_gliders = self.write_poses
         self._arrangement = -1
+        self._placed: Placed
         self._places = self._dofs = self._trees = np.empty(0, dtype=np.intp)
         #: velocities of the robots, 0 for everything else; positions at the start of the tick
         self._course = np.zeros(state.model.nv)
         self._start = np.empty(state.model.nq)
+        #: addresses for the kernel: coordinates and velocities of the engine; those of `_start` and `_course`
+        self._here, self._speeds, self._from, self._along = (
+            place or 0 for place in addresses(self._qpos, self._qvel, self._start, self._course)
+        )
         self._end: NDArray[np.float64] = np.empty(0)
 
     # -- a tick without steps of the engine ------------------------------------------------
@@ -62,7 +75,7 @@ class Passage:
             self._refresh()
         if gliding.tick < gliding.clear_until or not self._is_near():
             if not self._swings:
-                mujoco.mj_integratePos(self._model, self._qpos, self._qvel, self._period)
+                self._placed.move(self._here, self._speeds, self._period)
                 return _NOBODY
             self._begin()
             self._place(self._steps)
@@ -74,6 +87,19 @@ class Passage:
                 return touched
         self._qvel[self._dofs] = self._end
         return _NOBODY
+
+    def write_poses(self, positions: Rows, rotations: Rows) -> None:
+        """Write the poses of the robots into those of the world, (K, 3) and (K, 9), which were just set."""
+        if self._gliding.glides:
+            if self._arrangement != self._gliding.arrangement:
+                self._refresh()
+            here, turn = positions.place or address(positions.array), rotations.place or address(rotations.array)
+            self._placed.write_poses(here, turn)
+
+    @property
+    def placed(self) -> Placed:
+        """The robots in the arrays of the engine."""
+        return self._placed
 
     @property
     def is_straight(self) -> bool:
@@ -196,6 +222,12 @@ class Passage:
         self._places = np.array([slot.qpos + i for slot in slots for i in range(7)], dtype=np.intp)
         self._dofs = np.array([slot.dof + i for slot in slots for i in range(6)], dtype=np.intp)
         self._trees = self._model.body_treeid[[slot.body for slot in slots]]
+        self._placed = Placed(
+            np.array([slot.qpos for slot in slots], np.int64),
+            np.array([slot.dof for slot in slots], np.int64),
+            np.array(list(gliding.glides), np.int64),
+            self._qpos,
+        )
         self._course[:] = 0.0
         masses = {index: self._model.body_ipos[glide.slot.body] for index, glide in gliding.glides.items()}
         lopsided = [index for index, place in masses.items() if np.abs(place[:2]).max() > _CENTRED]
@@ -214,9 +246,7 @@ class Passage:
 
     def _place(self, steps: int) -> None:
         """Set the positions of the robots after a number of steps, and their velocities."""
-        moved = self._start.copy()
-        mujoco.mj_integratePos(self._model, moved, self._course, self._step * steps)
-        self._qpos[self._places] = moved[self._places]
+        self._placed.move(self._from, self._along, self._step * steps)
 
     def _swing(self) -> None:
         """Let the origin of each robot swing around the centre of mass, which moves straight within a tick.
@@ -247,3 +277,91 @@ class Passage:
             velocities[dofs + axis] += last[axis]
             self._course[dofs + axis] += mean[axis]
         self._end = velocities[self._dofs]
+
+
+class FreeRun:
+    """Several ticks at once, while nothing happens in a world but that robots glide, far from everything.
+
+    The bits are those of single ticks: the same functions are called in the same order, without Python in between.
+
+    Args:
+        is_idle: function that returns whether no other part of the physics has work.
+    """
+
+    def __init__(
+        self, state: EngineState, gliding: Gliding, passage: Passage, drives: Drives, is_idle: Callable[[], bool]
+    ) -> None:
+        self._state, self._gliding, self._passage, self._drives = state, gliding, passage, drives
+        self._is_idle = is_idle
+        self._step, self._period = state.model.opt.timestep, state.model.opt.timestep * state.steps
+        self._course = Course(*state.poses_before)
+
+    def run(self, ticks: int) -> int:
+        """Run at most that many ticks, with the commands that the drives have for the next tick.
+
+        Returns:
+            The number of ticks; 0 if the next tick needs more than that robots glide, and nothing has changed then.
+        """
+        gliding = self._gliding
+        if gliding.next_look - gliding.tick <= 1:
+            return 0
+        robots = self._robots()
+        if robots is None:
+            return 0
+        done, count = 0, min(ticks, self.ahead())
+        if not count or not self._follow(robots):
+            return 0
+        while count:
+            ran = self._course.ticks(count)
+            done += ran
+            # a robot may have to be driven otherwise, or something may be near
+            count = min(ticks - done, self.ahead(since=done)) if ran == count and done < ticks else 0
+        if done:
+            self.ran(done)
+        return done
+
+    def course(self) -> Course | None:
+        """Return what runs the next ticks, with the commands that the drives have; None if robots do not only glide."""
+        robots = self._robots()
+        return self._course if robots is not None and self._follow(robots) else None
+
+    def _follow(self, robots: GliderWork) -> bool:
+        state = self._state
+        return self._course.follow(robots, self._passage.placed, state.positions.array, state.rotations.array)
+
+    def _robots(self) -> GliderWork | None:
+        state, gliding, data = self._state, self._gliding, self._state.data
+        if state.is_stirred or state.has_forces or state.touched or state.kinematic or state.engine_rows is not None:
+            return None
+        if not gliding.glides or data.nv_awake != 6 * len(gliding.glides) or not self._passage.is_straight:
+            return None
+        robots = self._drives.only_fleet()
+        return robots if robots is not None and self._is_idle() else None
+
+    def ahead(self, wanted: int = 1, since: int = 0) -> int:
+        """Return the number of the next ticks in which robots touch nothing and stay on their floors.
+
+        Args:
+            wanted: a smaller number is the result of a new detection of what is near.
+            since: number of ticks that the kernel has run, and of which `ran` does not know yet.
+        """
+        gliding = self._gliding
+        gliding.tick += since
+        try:
+            if gliding.tick + wanted >= gliding.clear_until and self._passage.will_be_near():
+                return 0
+            return max(0, min(gliding.next_look, gliding.clear_until) - gliding.tick - 1)
+        finally:
+            gliding.tick -= since
+
+    def ran(self, ticks: int) -> None:
+        """Take note of ticks that the kernel has run."""
+        state, data = self._state, self._state.data
+        self._gliding.tick += ticks
+        time = data.time
+        for _ in range(ticks):
+            time += self._period
+        data.time = time
+        state.known_contacts = _NO_CONTACTS
+        self._drives.clear()
+        sync(state)

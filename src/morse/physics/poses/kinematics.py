@@ -45,8 +45,19 @@ def refresh(state: EngineState) -> None:
     """Copy the poses of the moving bodies from the engine."""
     state.positions.take(state.engine_positions, state.engine_rows)
     state.rotations.take(state.engine_rotations, state.engine_rows)
+    if state.write_gliders is not None:
+        state.write_gliders(state.positions, state.rotations)
     state.touched.clear()
     state.stamp += 1
+
+
+def refresh_gliders(state: EngineState) -> None:
+    """Copy the poses of the robots that glide, after others were known to glide than at the last `refresh`."""
+    if state.write_gliders is not None:
+        # the rows of the bodies that the engine moves, which may be shared, are taken again
+        for rows in (state.positions, state.rotations):
+            rows.take(rows.array[: state.moving].copy())
+        state.write_gliders(state.positions, state.rotations)
 
 
 def settle_fixed(state: EngineState) -> None:

@@ -96,7 +96,7 @@ class Snapshots:
         return Snapshot(positions, rotations, self._rows, self._mountings)
 
     def before(self) -> Snapshot:
-        """Return a snapshot of the poses at the beginning of the last tick of `World.step_freely`."""
+        """Return a snapshot of the poses at the beginning of the last tick of `World.advance`."""
         state, index = self._state, self._index
         if self._displacements != state.displacements:
             self._look()

@@ -12,7 +12,7 @@ from morse.physics.poses.rows import Rows
 from morse.physics.sleep import Sleep
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -122,7 +122,7 @@ class EngineState:
         compiled_poses: positions, rotations and quaternions of all slots in the scene, once they are needed.
         by_hand: slots that are only moved by explicit calls, because they have neither joints nor shapes.
         poses_before: positions (K, 3) and rotations (K, 9) of these slots at the beginning of the last tick of
-            `morse.physics.gliding.free_run`, which overwrites them.
+            `morse.physics.gliding.passage.FreeRun`, which overwrites them.
         stamp: changes whenever an object has moved.
         displacements: changes whenever an object was moved within its slot.
         positions: position of each slot, [x, y, z] in m, world frame.
@@ -139,10 +139,12 @@ class EngineState:
         known_contacts: (N, 2) geoms in contact at the end of a tick; None until somebody asks for those of the engine.
         names: name of the first node of each slot; ``named`` maps it to the slot.
         watch: runs the steps and observes them; None if nobody does.
+        write_gliders: writes the poses of the robots that glide into ``positions`` and ``rotations``.
         sliding: runs the steps while objects slide.
     """
 
     watch: Steps | None = None
+    write_gliders: Callable[[Rows, Rows], None] | None = None
 
     def __init__(self, compiled: Compiled, period: float) -> None:
         self.take(compiled, period)
@@ -150,11 +152,11 @@ class EngineState:
     def run(self, steps: int) -> None:
         """Run steps of the engine, and observe them."""
         if self.watch is None:
-            self.advance(steps)
+            self.take_steps(steps)
         else:
             self.watch.run(steps)
 
-    def advance(self, steps: int) -> None:
+    def take_steps(self, steps: int) -> None:
         """Run steps of the engine."""
         if self.sliding.is_needed:
             self.sliding.run(steps)
@@ -163,6 +165,7 @@ class EngineState:
 
     def take(self, compiled: Compiled, period: float) -> None:
         """Use a compiled model, with all poses from the scene."""
+        self.write_gliders = None
         self.model: mujoco.MjModel = compiled.model
         self.data: mujoco.MjData = compiled.data
         self.sleep = Sleep(self.model, self.data)

@@ -128,6 +128,7 @@ class Saving:
         world.kinematic.update({slots_by_name[e.slot]: (e.linear, e.angular) for e in state.kinematic})
         world.attachments.set_state(state.attachments, self._objects)
         self._gliding.set_state(state.gliding)
+        kinematics.refresh_gliders(world)
         self._steps.reset()
         world.rearranged.update(world.slot_of)
 

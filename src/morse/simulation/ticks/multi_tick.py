@@ -169,13 +169,10 @@ class MultiTick:
         context, drives = self._context, self._drives
         world, clock, guard = context.world, context.clock, context.guard
         while True:
-            done = world.step_freely(ticks) if all(observer.waits for observer in observers) else 0
+            done = world.advance(ticks if all(observer.waits for observer in observers) else 1)
             if done > 1:
                 for drive in drives:
                     drive.went_on(done - 1)
-            if not done:
-                world.step()
-                done = 1
             clock.advance(done)
             ticks -= done
             if not ticks:
