@@ -13,9 +13,8 @@ from morse.physics.bodies import Bodies
 from morse.physics.contact_points import ContactPoints
 from morse.physics.crowding import Crowding
 from morse.physics.driving.drives import Drives
-from morse.physics.driving.fleet import Fleet
+from morse.physics.driving.fleet import Fleet, WheelFleet
 from morse.physics.driving.traction import Traction
-from morse.physics.driving.wheel_fleet import WheelFleet
 from morse.physics.forward import forward, without_contacts
 from morse.physics.gliding.floor_planes import FloorPlanes
 from morse.physics.gliding.gliding import Gliding

@@ -18,8 +18,7 @@ import numpy as np
 
 from morse.mathutils.portable import matmul
 from morse.physics.gliding.floors import Floor, find_floors
-from morse.physics.gliding.glide import FORESIGHT, Glide
-from morse.physics.gliding.stances import Stances
+from morse.physics.gliding.stances import FORESIGHT, Glide, Stances
 from morse.physics.model.collision_bits import ALL_BITS, OF_FILE
 from morse.physics.poses.kinematics import contact_pairs
 from morse.physics.sleep import WIDE_AWAKE

@@ -17,7 +17,7 @@ import numpy as np
 
 from morse.kernel.driving import Course, Placed
 from morse.kernel.memory import address, addresses
-from morse.physics.gliding.glide import FORESIGHT
+from morse.physics.gliding.stances import FORESIGHT
 from morse.physics.poses.kinematics import sync
 from morse.physics.sleep import WIDE_AWAKE
 

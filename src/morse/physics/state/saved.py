@@ -89,7 +89,7 @@ class SavedAttachments(_Part):
 
 
 class SavedGlide(_Part):
-    """A gliding robot; see `morse.physics.gliding.glide.Glide`. ``floor`` is the bit of its floor."""
+    """A gliding robot; see `morse.physics.gliding.stances.Glide`. ``floor`` is the bit of its floor."""
 
     slot: str
     floor: int
