@@ -7,6 +7,7 @@ servers for rays or images are `OnDemand`: what nobody reads is neither cast nor
 from __future__ import annotations
 
 import math
+from operator import methodcaller
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
@@ -262,7 +263,7 @@ class OnDemand:
             guard = sensor.context.guard
             try:
                 serve((sensor,), guard)
-                guard.each((sensor,), _act, guard.deactivate)
+                guard.each((sensor,), methodcaller("action"), guard.deactivate)
             finally:
                 self.is_asked = False
         return self._data
@@ -279,10 +280,6 @@ class OnDemand:
         finally:
             if own.get("local_data") is self._data and not sensor._is_read:
                 del own["local_data"]
-
-
-def _act(sensor: Sensor) -> None:
-    sensor.action()
 
 
 def hold_on_demand(sensor: Sensor) -> OnDemand | None:

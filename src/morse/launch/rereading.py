@@ -14,7 +14,6 @@ from morse.core.observer import SHOWN
 from morse.launch.load import refuse
 from morse.scene.scene_warnings import scene_warnings
 from morse.simulation.watching.edits import stamp
-from morse.simulation.watching.watch import Watch
 
 if TYPE_CHECKING:
     from morse.scene import Scene
@@ -67,6 +66,9 @@ class Rereading:
 
     def edited(self, simulation: Simulation) -> list[str]:
         """The files that were saved since the scene was loaded, except components that are already reloaded."""
+        # it imports the physics, which a run loads in a section that Ctrl+C does not interrupt
+        from morse.simulation.watching.watch import Watch
+
         exchanged_files = {
             path for watch in simulation.observers if isinstance(watch, Watch) for path in watch.exchanged
         }

@@ -208,8 +208,9 @@ def _extent(
     points = np.concatenate(clouds)
     height = matmul(points, axis)
     across = points - np.outer(height, axis)
-    radius = float(np.linalg.norm(across, axis=1).max())
-    is_centred = bool(np.linalg.norm(across.max(axis=0) + across.min(axis=0)) < 2.0 * _CENTRED * radius)
+    distances = np.linalg.norm(across, axis=1)
+    radius = float(distances.max())
+    is_centred = math.hypot(*(across.max(axis=0) + across.min(axis=0)).tolist()) < 2.0 * _CENTRED * radius
     return origin + axis * (height.max() + height.min()) / 2.0, radius, is_centred, tuple(rounds)
 
 

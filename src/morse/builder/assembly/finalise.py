@@ -18,6 +18,7 @@ from morse.builder.names.catalog import load_class
 from morse.core.declarations import data_fields, properties
 from morse.core.exceptions import MorseBuilderError
 from morse.core.reports.quoting import nearest
+from morse.mathutils.portable import matmul
 from morse.scene import ComponentDeclaration, PhysicsType, Scene, TimeStrategies, Zone
 from morse.scene.scene import Display, Overlay, PanelPlace
 from morse.scene.scene_warnings import about
@@ -348,7 +349,7 @@ def _top_of(node: Node) -> float:
         return -math.inf
     matrix = node.world_matrix()
     row, height = np.array(matrix[2][:3]), matrix[2][3]
-    return float((node.mesh.vertices @ row).max(initial=-math.inf)) + height
+    return float(matmul(node.mesh.vertices, row).max(initial=-math.inf)) + height
 
 
 def _tell_doubles(parts: Iterable[AbstractComponent]) -> None:
