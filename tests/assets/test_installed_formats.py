@@ -17,12 +17,12 @@ READER = (
 )
 
 
-def loaded(site: Path, name: str, reader: str) -> subprocess.CompletedProcess[str]:
+def loaded(site: Path, name: str, reader: str, points: str = "crate = my_lab:read") -> subprocess.CompletedProcess[str]:
     """Load the model of that name with an installed reader of ``.crate`` files."""
     for path, text in {
         "my_lab.py": reader,
         "my_lab-1.0.dist-info/METADATA": "Metadata-Version: 2.1\nName: my_lab\nVersion: 1.0\n",
-        "my_lab-1.0.dist-info/entry_points.txt": "[morse.formats]\ncrate = my_lab:read\n",
+        "my_lab-1.0.dist-info/entry_points.txt": f"[morse.formats]\n{points}\n",
         "yard.crate": "",
     }.items():
         (site / path).parent.mkdir(exist_ok=True)
@@ -46,3 +46,19 @@ def test_a_file_of_the_package_is_read(tmp_path: Path, name: str) -> None:
 def test_a_broken_reader_is_named(tmp_path: Path) -> None:
     done = loaded(tmp_path, "yard.crate", "1 / 0\n")
     assert "the reader of an installed package (my_lab:read) cannot be loaded: ZeroDivisionError" in done.stderr
+
+
+def test_no_package_takes_scene_scripts_or_files_that_have_a_reader(tmp_path: Path) -> None:
+    reader = f"{READER}from morse.assets import formats; from pathlib import Path\n" + (
+        "def report(path):\n    print(formats.is_model(Path('scene.py')))\n    return read(path)\n"
+    )
+    points = "crate = my_lab:report\nPY = my_lab:read\nstl = my_lab:read"
+    done = loaded(tmp_path, "yard.crate", reader, points)
+    assert done.stdout.split("\n")[0] == "False", done.stderr
+    assert "files .py are MORSE's" in done.stderr
+    assert "files .stl are MORSE's" in done.stderr
+
+
+def test_what_is_no_reader_is_named(tmp_path: Path) -> None:
+    done = loaded(tmp_path, "yard.crate", "read = 3\n")
+    assert "the reader of an installed package (my_lab:read) cannot be loaded: TypeError: it is 3" in done.stderr

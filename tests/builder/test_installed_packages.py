@@ -157,3 +157,18 @@ def test_entry_points_are_those_of_importlib(site: Path, monkeypatch: pytest.Mon
     (point,) = plugins.entry_points("morse.modifiers")
     assert point in metadata.entry_points(group="morse.modifiers")
     assert point.value == "my_lab.changes"
+
+
+@pytest.mark.parametrize("text", [b"[morse.modifiers]\nbroken\n", b"[morse.modifiers]\n\xff = a\n"])
+def test_a_package_with_broken_entry_points_hides_no_others(site: Path, text: bytes) -> None:
+    (site / "other-1.0.dist-info").mkdir()
+    (site / "other-1.0.dist-info" / "entry_points.txt").write_bytes(text)
+    done = run(site, f"import logging; logging.basicConfig()\n{USE}")
+    assert "my_lab.sensors.sonar.Sonar" in done.stdout, done.stderr
+    assert "other-1.0.dist-info are left out" in done.stderr
+
+
+def test_a_package_that_was_half_removed_has_no_name(site: Path) -> None:
+    (site / "my_lab-1.0.dist-info" / "METADATA").unlink()
+    done = run(site, USE)
+    assert "my_lab.sensors.sonar.Sonar" in done.stdout, done.stderr

@@ -9,17 +9,23 @@ A package brings a reader by an entry point, whose name is the suffix of the fil
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
 from morse.core.classes.plugins import entry_points
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+    from importlib.metadata import EntryPoint
     from pathlib import Path
 
     from morse.scene import Library
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +69,21 @@ class UnsupportedFormatError(ValueError):
 
 def suffixes() -> tuple[str, ...]:
     """The suffixes of the files that can be read, the preferred one first: those of packages and plug-ins."""
-    return tuple(dict.fromkeys((*(f".{point.name.lower()}" for point in entry_points("morse.formats")), *_READERS)))
+    return (*_of_packages(entry_points("morse.formats")), *_READERS)
+
+
+@lru_cache(maxsize=8)
+def _of_packages(points: tuple[EntryPoint, ...]) -> dict[str, EntryPoint]:
+    """The entry points by suffix, without those of scene scripts and of files that have a reader already."""
+    found: dict[str, EntryPoint] = {}
+    for point in points:
+        suffix = f".{point.name.lower()}"
+        if suffix == ".py" or suffix in _READERS or suffix in found:
+            whose = f"files {suffix} have {found[suffix].value}" if suffix in found else f"files {suffix} are MORSE's"
+            logger.warning("the reader %s of a package is left out: %s", point.value, whose, extra=OF_MACHINE)
+        else:
+            found[suffix] = point
+    return found
 
 
 def is_model(path: Path) -> bool:
@@ -90,16 +110,17 @@ def model_format(path: Path) -> ModelFormat:
     if (entry := _READERS.get(suffix)) is not None:
         module, function = entry.split(":")
         return ModelFormat(cast("Callable[[Path], Library]", getattr(import_module(module), function)))
-    for point in entry_points("morse.formats"):
-        if f".{point.name.lower()}" == suffix:
-            try:
-                found = point.load()
-            except Exception as error:  # the package is third-party code
-                raise UnsupportedFormatError(
-                    f"'{path}': the reader of an installed package ({point.value}) cannot be loaded: "
-                    f"{type(error).__name__}: {error}"
-                ) from None
-            return found if isinstance(found, ModelFormat) else ModelFormat(found)
+    if (point := _of_packages(entry_points("morse.formats")).get(suffix)) is not None:
+        try:
+            found = point.load()
+            if not isinstance(found, ModelFormat) and not callable(found):
+                raise TypeError(f"it is {found!r:.80}, expected a function or a ModelFormat")
+        except Exception as error:  # the package is third-party code
+            raise UnsupportedFormatError(
+                f"'{path}': the reader of an installed package ({point.value}) cannot be loaded: "
+                f"{type(error).__name__}: {error}"
+            ) from None
+        return found if isinstance(found, ModelFormat) else ModelFormat(found)
     raise UnsupportedFormatError(
         f"'{path}': cannot read files of type '{path.suffix or 'without suffix'}'; "
         f"supported: {', '.join(suffixes())}. Convert it with the program that has written it"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+import time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -147,3 +148,32 @@ def test_a_skin_with_mistakes_is_left_out(tmp_path: Path, skin: str) -> None:
     library = read(tmp_path, f"<deformable>{skin}</deformable>")
     assert not pieces(library)
     assert any("the skin 'strip' is left out" in warning for warning in library.warnings)
+
+
+def test_many_bones_and_many_skins_take_no_time(tmp_path: Path) -> None:
+    bones, triangles, vertices = 8000, 200_000, 12_000
+    one = np.ones(1, "<f4").tobytes()
+    bone = [b"upper".ljust(40, b"\0") + struct.pack("<7f", 0, 0, 1, 1, 0, 0, 0) + struct.pack("<i", 1)] * bones
+    content = b"".join(
+        [
+            struct.pack("<4i", vertices, 0, triangles, bones),
+            np.random.default_rng(1).random((vertices, 3)).astype("<f4").tobytes(),
+            (np.arange(3 * triangles) % bones).astype("<i4").tobytes(),
+            *(text + struct.pack("<i", number) + one for number, text in enumerate(bone)),
+        ]
+    )
+    start = time.process_time()
+    library = read(tmp_path, '<deformable><skin name="strip" file="strip.skn"/></deformable>', content)
+    # 30 s when each bone went through all triangles, and each name had the suffixes of all before
+    assert time.process_time() - start < 8.0
+    names = [node.name for node in library.nodes() if node.name.startswith("strip")]
+    assert len(names) == len(set(names)) == bones
+    assert max(map(len, names)) < 100
+
+
+def test_all_skins_of_a_model_have_one_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("morse.assets.mjcf.source.MOST_NUMBERS", 100)
+    second = INLINE.replace('name="strip"', 'name="second"')
+    library = read(tmp_path, f"<deformable>{INLINE}{second}</deformable>")
+    assert pieces(library)
+    assert any("the skin 'second' is left out: all skins together" in warning for warning in library.warnings)

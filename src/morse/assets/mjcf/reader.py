@@ -197,6 +197,8 @@ def check_sizes(model: ModelData, path: Path) -> None:
 _LIGHTEST = 1e-3
 #: of the engine, s: a tick has 167 of them; robots with fine contacts have steps of 0.5 to 2 ms
 _SHORTEST_STEP = 1e-4
+#: from so many equal names on, they are counted
+_MOST_SUFFIXES = 9
 #: height of a plane that is the floor, m
 _FLOOR = 1e-3
 
@@ -224,7 +226,8 @@ class _Reader:
         if model.step < _SHORTEST_STEP:
             self.warnings.append(f"its time step of {model.step:g} s is too short: it is {_SHORTEST_STEP:g} s here")
         self._images = TextureImages(source.textures)
-        self._names: set[str] = set()
+        #: names that are taken, and how often each was to be taken again
+        self._names: dict[str, int] = {}
         self._ground: tuple[float, ...] = DEFAULT_CONTACT
         self._has_floor = False
         #: numbers of the level planes below height 0
@@ -243,7 +246,7 @@ class _Reader:
         if len(self.model.bodies) == 1:
             return self._terrain()
         name = self.source.name
-        self._names = {name, f"{name}_joints"}
+        self._names = {name: 0, f"{name}_joints": 0}
         robot, *others = groups_of(self.model, self.source.path)
         root, links = self._body(robot, name)
         objects = [self._object(group) for group in others]
@@ -267,7 +270,7 @@ class _Reader:
     def _terrain(self) -> Library:
         """A file without bodies: the shapes of its world."""
         root = Node(self.source.name, source_name=self.source.name)
-        self._names = {root.name}
+        self._names = {root.name: 0}
         self._add_shapes(root, self.model.bodies[0])
         if not root.children:
             reasons = f": {'; '.join(self.warnings[:3])}" if self.warnings else ""
@@ -281,7 +284,7 @@ class _Reader:
         """Return the node of bodies that do not belong to the robot."""
         name = f"{self.source.name}_world" if group.base is None else self.model.bodies[group.base].name
         name = self._name(name)
-        self._names.add(f"{name}_joints")
+        self._names.setdefault(f"{name}_joints", 0)
         return self._body(group, name)[0]
 
     def _body(self, group: Group, name: str) -> tuple[Node, dict[int, str]]:
@@ -406,9 +409,12 @@ class _Reader:
             node.attach(shape_node(geom, name, self._images))
 
     def _name(self, name: str, suffix: str = "_") -> str:
+        first = name
         while name in self._names:
-            name += suffix
-        self._names.add(name)
+            number = self._names[first] = self._names[first] + 1
+            # a thousand equal names would have a thousand suffixes
+            name = first + (suffix * number if number < _MOST_SUFFIXES else f"{suffix}{number}")
+        self._names[name] = 0
         return name
 
     # -- keyframes -------------------------------------------------------------------------

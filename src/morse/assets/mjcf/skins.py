@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: largest number of triangles of a skin, and of its bones
 _MOST_TRIANGLES, _MOST_BONES = 1_000_000, 10_000
+#: largest count of numbers of all skins of a model
+MOST_NUMBERS = 20_000_000
 _NAME = 40
 
 
@@ -60,6 +62,11 @@ class Skin:
     color: tuple[float, ...] | None
     group: int
 
+    @property
+    def size(self) -> int:
+        """The count of its numbers."""
+        return self.vertices.size + self.triangles.size + sum(bone.vertices.size for bone in self.bones)
+
 
 def read_skin(element: Element, content: bytes | None) -> Skin:
     """Read an element ``skin``.
@@ -75,6 +82,8 @@ def read_skin(element: Element, content: bytes | None) -> Skin:
     count = len(vertices)
     if not count or not len(triangles) or len(triangles) > _MOST_TRIANGLES:
         raise ValueError(f"it has {count} vertices and {len(triangles)} triangles")
+    if len(bones) > _MOST_BONES:
+        raise ValueError(f"it has {len(bones)} bones, more than {_MOST_BONES}")
     if uvs is not None and len(uvs) != count:
         uvs = None
     arrays = (vertices, *(array for bone in bones for array in (bone.position, bone.quaternion, bone.weights)))
@@ -160,9 +169,12 @@ def pieces_of(
         most[bone.vertices[is_most]], owner[bone.vertices[is_most]] = bone.weights[is_most], number
     owners = owner[skin.triangles]
     owners[(owners < 0).any(axis=1)] = -1
+    # the corners by owner: to look for those of each bone among all would take bones times triangles
+    order = np.argsort(owners, axis=None, kind="stable")
+    bounds = np.searchsorted(owners.ravel()[order], np.arange(len(skin.bones) + 1))
     pieces = []
     for number, bone in enumerate(skin.bones):
-        triangles = skin.triangles[(owners == number).any(axis=1)]
+        triangles = skin.triangles[np.unique(order[bounds[number] : bounds[number + 1]] // 3)]
         if not len(triangles) or not any(bone.quaternion):
             continue
         used, corners = np.unique(triangles, return_inverse=True)

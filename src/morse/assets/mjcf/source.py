@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 from morse.assets.errors import AssetError
 from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
 from morse.assets.mjcf.old_files import modernize
-from morse.assets.mjcf.skins import read_skin
+from morse.assets.mjcf.skins import MOST_NUMBERS, read_skin
 from morse.assets.mjcf.textures import take_textures
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
@@ -289,7 +289,10 @@ class Source:
                 if self._main is not self:
                     raise ValueError("it belongs to a model that is attached")
                 path = None if file is None else self._file(file, element.get(_ORIGIN))
-                self.skins.append(read_skin(element, None if path is None else read_regular(path, _MOST_MESH_BYTES)))
+                skin = read_skin(element, None if path is None else read_regular(path, _MOST_MESH_BYTES))
+                if sum(one.size for one in self.skins) + skin.size > MOST_NUMBERS:
+                    raise ValueError(f"all skins together have more than {MOST_NUMBERS} numbers")
+                self.skins.append(skin)
             except (ValueError, FileRefusedError, OSError) as error:
                 name = element.get("name") or file or ""
                 self.warnings.append(f"the skin '{name:.200}' is left out: {error}")

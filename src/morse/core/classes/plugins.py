@@ -47,7 +47,8 @@ def entry_points(group: str) -> tuple[EntryPoint, ...]:
 
 def _distribution(point: EntryPoint) -> str:
     """The name of the installed package of an entry point; empty if it is unknown."""
-    return "" if point.dist is None else _normal(point.dist.name)
+    # the folder of a package that was half removed has no name
+    return "" if point.dist is None else _normal(str(point.dist.name or ""))
 
 
 def _normal(name: str) -> str:
@@ -95,7 +96,22 @@ def _found(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
         return ()
     from importlib import metadata
 
-    return tuple(set(metadata.entry_points(group=group)))
+    try:
+        return tuple(set(metadata.entry_points(group=group)))
+    except Exception:  # one broken package, which need not have to do with MORSE, would hide all others
+        points: dict[str, tuple[EntryPoint, ...]] = {}
+        for package in metadata.distributions():
+            try:
+                # the first one of a name is the one that is imported
+                points.setdefault(_normal(str(package.name or "")), tuple(package.entry_points.select(group=group)))
+            except Exception as error:  # third-party data
+                _warn_of_package(f"the entry points of {getattr(package, '_path', 'a package')} are left out: {error}")
+        return tuple({point for some in points.values() for point in some})
+
+
+@lru_cache(maxsize=32)
+def _warn_of_package(text: str) -> None:
+    logger.warning("%s", text, extra=OF_MACHINE)
 
 
 @lru_cache(maxsize=256)
