@@ -8,16 +8,20 @@ import socket
 import struct
 import threading
 import time
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
-
-from pymoos2.core import constants
-from pymoos2.core.MOOSCommPkt import pack, unpack
-from pymoos2.core.MOOSMsg import MOOSMsg
 
 from morse.core.clients.budgets import CLIENT_BYTES
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.system.extras import install
+
+try:
+    from pymoos2.core import constants
+    from pymoos2.core.MOOSCommPkt import pack, unpack
+    from pymoos2.core.MOOSMsg import MOOSMsg
+except ImportError:
+    pass  # `Database` says how to install it
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -243,12 +247,8 @@ class Database:
     """
 
     def __init__(self, options: Options) -> None:
-        try:
-            import pymoos2.core.MOOSMsg  # noqa: F401 - the import of `Exchange` must not fail
-        except ImportError:
-            raise MorseMiddlewareError(f"moos: pymoos2 is not installed; to install it: {install('moos')}") from None
-        from morse.plugins.moos.database import Exchange
-
+        if find_spec("pymoos2") is None:
+            raise MorseMiddlewareError(f"moos: pymoos2 is not installed; to install it: {install('moos')}")
         self._host, self._port = options["moos_host"], options["moos_port"]
         self._complaints = Complaints(logger)
         self._was_connected = False
