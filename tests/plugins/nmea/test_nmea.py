@@ -144,6 +144,33 @@ def test_a_pseudo_terminal_is_a_serial_line(gps) -> None:
         os.close(line)
     simulation.step(600)  # more than fits into the line: nobody reads it any more
     assert simulation.failures == ()
+    line = os.open(receiver.path, os.O_RDONLY | os.O_NOCTTY)
+    try:
+        waited(lambda: select.select([line], [], [], 1.0)[0])
+        # the first sentence may have lost its beginning
+        clock = fields_of(os.read(line, 4096).splitlines(True)[3])[1]
+    finally:
+        os.close(line)
+    # 10 s after the start, at 23:59:58: positions of long ago would be taken for those of now
+    assert clock > "000006.00"
+    assert clock < "000009.00"
+
+
+def test_silent_connections_do_not_take_the_place_of_who_reads(gps) -> None:
+    simulation, receiver = gps()
+    with contextlib.ExitStack() as stack:
+
+        def connected() -> socket.socket:
+            return stack.enter_context(socket.create_connection(("127.0.0.1", receiver.port), timeout=60.0))
+
+        reader = connected()
+        waited(lambda: receiver.is_read)
+        reader.sendall(b"\xb5\x62\x06\x08" * 400_000)  # settings for a receiver, without the end of a line
+        for _ in range(300):
+            connected()
+        waited(lambda: receiver._server.connected >= 255)
+        simulation.step(1)
+        assert reader.recv(6) == b"$GPGGA"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no serial lines of this kind")

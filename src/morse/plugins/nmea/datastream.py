@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import calendar
-import contextlib
 import errno
 import logging
 import os
@@ -33,6 +32,22 @@ _NANO = 1e-9
 _PORTS = 64
 
 
+class _Reader(LineClient):
+    """A program that reads sentences; what it sends, such as settings for a receiver, has no effect."""
+
+    def importance(self) -> tuple[float, ...]:
+        """If there are too many, those that do not read leave first, then the newest."""
+        return (not self.congested, -self._since)
+
+    def __init__(self, server: LineServer) -> None:
+        super().__init__(server)
+        self._since = self.heard
+
+    def data_received(self, data: bytes) -> None:
+        """Drop it, also without ends of lines."""
+        self.is_welcome(data)
+
+
 class Receiver:
     """A port, and possibly a serial line, of one GPS.
 
@@ -52,7 +67,7 @@ class Receiver:
         except BaseException:
             listener.close()
             raise
-        self._server = LineServer(f"nmea: {name}", listener, LineClient)
+        self._server = LineServer(f"nmea: {name}", listener, _Reader)
         self._network.call(self._server.start(self._network))
 
     @property
@@ -64,14 +79,21 @@ class Receiver:
         """Send sentences to all clients that keep up; a full serial line drops them."""
         if self._server.connected:
             self._network.post(self._write, data)
-        if self._line >= 0:
-            # a pseudo-terminal that nobody reads, or a line slower than the receiver
-            with contextlib.suppress(BlockingIOError):
-                try:
-                    os.write(self._line, data)
-                except OSError as error:
-                    if error.errno != errno.EIO:
-                        raise
+        if self._line >= 0 and not self._is_written(data) and self._far >= 0:
+            # a pseudo-terminal that nobody reads: who opens it later gets no positions of long ago
+            import termios
+
+            termios.tcflush(self._far, termios.TCIFLUSH)
+            self._is_written(data)
+
+    def _is_written(self, data: bytes) -> bool:
+        """Write to the serial line; return whether it has taken everything: it may be full, slow or unplugged."""
+        try:
+            return os.write(self._line, data) == len(data)
+        except OSError as error:
+            if error.errno not in (errno.EAGAIN, errno.EIO, errno.ENODEV, errno.ENXIO):
+                raise
+            return False
 
     def _write(self, data: bytes) -> None:
         for client in list(self._server.clients):
