@@ -123,5 +123,6 @@ def model_format(path: Path) -> ModelFormat:
         return found if isinstance(found, ModelFormat) else ModelFormat(found)
     raise UnsupportedFormatError(
         f"'{path}': cannot read files of type '{path.suffix or 'without suffix'}'; "
-        f"supported: {', '.join(suffixes())}. Convert it with the program that has written it"
+        f"supported: {', '.join(suffixes())}. Convert it with the program that has written it, "
+        "or add a reader by the entry point morse.formats"
     )

@@ -199,6 +199,8 @@ def _not_found(name: str, category: str) -> str:
     message = f"no model '{name if len(name) <= 80 else name[:77] + '...'}'{kind}"
     if close:
         message += f"; did you mean {' or '.join(repr(c) for c in close)}?"
+    elif (suffix := Path(name).suffix.lower()) and suffix not in suffixes():
+        message += f"; the suffix '{suffix[:20]}' is none of a model: {', '.join(suffixes())}"
     elif candidates:
         message += f"; there are: {', '.join(candidates[:12])}{', ...' if len(candidates) > 12 else ''}"
     places = ", ".join(str(directory) for directory in [*component_dirs(), *resource_dirs()])

@@ -214,6 +214,8 @@ def find_modifier(name: str, component: type | None) -> str:
     hint = checks.suggestion(name, suitable) or choices
     if name in everywhere:
         raise MorseBuilderError(f"the modifier '{name}' is not for {what}{hint}")
+    if not hint.endswith("?"):
+        hint += "; name a class of your own by classpath=, or its package by the entry point morse.modifiers"
     raise MorseBuilderError(f"there is no modifier '{name}' for {what}{hint}")
 
 
