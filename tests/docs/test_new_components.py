@@ -64,9 +64,7 @@ def test_there_is_a_chapter_for_each_kind():
 
 @pytest.mark.parametrize("chapter", CHAPTERS)
 def test_the_test_of_the_chapter_passes(project: Path, chapter: str):
-    files = files_of(chapter)
-    write(project, files)
-    write(project, {f"src/{name}": text for name, text in files.items() if name.startswith("my_lab/")})
+    write(project, files_of(chapter))
     done = run(project, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "tests")
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.search(r"^\d+ passed", done.stdout, re.MULTILINE)
