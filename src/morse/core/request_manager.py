@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: outcome of a finished call: status and result
-
 
 class OfferedService(NamedTuple):
     """A service that a manager offers.
@@ -127,7 +125,7 @@ class RequestManager(ABC):
 
     @abstractmethod
     def main(self) -> None:
-        """Read the requests that arrived; called at the beginning of every tick."""
+        """Read the requests that arrived; called at the beginning of every tick, and while the simulation waits."""
 
     def update(self) -> None:
         """One tick: process requests, then send the outcomes of the calls that ended since the last tick."""

@@ -148,7 +148,7 @@ class Ticker:
             if self.profiles:
                 return self._measured_tick()
             self._take_input()
-            self._serve()
+            self._process_services()
             # the simulation is paused, or was restarted while paused: the state must not change until the next request
             if self._stepping.paused and self._stepping.halted:
                 return False
@@ -171,7 +171,7 @@ class Ticker:
             return 1
         with self._acting:
             self._take_input()
-            self._serve()
+            self._process_services()
             self._actuate()
             leap = None
             if not (self._busy or self._alarmed()) and self._leaping.look():
@@ -239,7 +239,7 @@ class Ticker:
         profiles = self.profiles
         for profile in profiles:
             profile.begin()
-        for name, phase in (("input", self._take_input), ("services", self._serve)):
+        for name, phase in (("input", self._take_input), ("services", self._process_services)):
             phase()
             for profile in profiles:
                 profile.mark(name)
@@ -316,7 +316,7 @@ class Ticker:
             self._guard.each(self.observers, before_tick, self._dismiss)
         self._clock.observe()
 
-    def _serve(self) -> None:
+    def _process_services(self) -> None:
         objects = self._context.service_objects
         if len(objects) != self._offered:
             self._offered = len(objects)
