@@ -83,10 +83,14 @@ def test_a_wrong_name_is_compared_with_few_of_many_names(monkeypatch: pytest.Mon
         ("+1+1", "'+1+1"),
         ("-2+3", "'-2+3"),
         ("@SUM(A1)", "'@SUM(A1)"),
-        ("\t=1+1", "'\t=1+1"),
-        ("\r\n =1+1", "'\r\n =1+1"),
+        ("\t=1+1", "'\t'=1+1"),
+        ("\r\n =1+1", "'\r\n '=1+1"),
         ("\uff1d1+1", "'\uff1d1+1"),  # a wide equals sign
-        *((same, same) for same in ("", "a=b", "map", "-1.5", "+3e8", "-inf", "'=1", "/robot/=x")),
+        # with a decimal comma, spreadsheets separate cells by ; or tabs
+        ("a;=1+1", "a;'=1+1"),
+        ('a;"=1+1', "a;\"'=1+1"),
+        ("a\n@SUM(A1)\t-2+3", "a\n'@SUM(A1)\t'-2+3"),
+        *((same, same) for same in ("", "a=b", "a; b", "a\nb", "map", "-1.5", "+3e8", "-inf", "'=1", "/robot/=x")),
         (-1.5, -1.5),
         (None, None),
     ],

@@ -49,6 +49,11 @@ class Simulation(Counter):
         return "simulation"
 
 
+class Robot(Counter):
+    def name(self):
+        return "robot"
+
+
 class Dies(Counter):
     def name(self):
         return "dies"
@@ -115,6 +120,7 @@ def test_a_service_is_called_and_acts_in_each_tick(scene: Path):
         ("counter", "lab:good", "lab:good"),
         ("other", "lab:Counter", "expected that of the entry point, 'other'"),
         ("simulation", "lab:Simulation", "reserved"),
+        ("robot", "lab:Robot", "there is already an object 'robot'"),
         ("a-b", "lab:Counter", "a word of up to 100 letters"),
     ],
 )

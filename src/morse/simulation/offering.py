@@ -58,7 +58,7 @@ def offer_services(simulation: Simulation) -> None:
         PullServices(context, simulation.before_physics),
         TimeServices(context.clock, simulation.pacer.set_speed, begins_late=simulation.scene.settings.physics_of_1_4),
         CommunicationServices(context),
-        *_of_packages(context),
+        *_of_packages(context, [declaration.name for declaration in scene.components]),
     ]
     for obj in objects:
         for manager in managers:
@@ -67,15 +67,17 @@ def offer_services(simulation: Simulation) -> None:
         context.service_objects.append(obj)
 
 
-def _of_packages(context: Context) -> Iterator[AbstractObject]:
+def _of_packages(context: Context, present: list[str]) -> Iterator[AbstractObject]:
     """The objects of installed packages and of the project, whose services are those of the simulation.
 
     A package names a class, which gets the context, by an entry point::
 
         [project.entry-points."morse.services"]
         referee = "my_lab.referee:Referee"
+
+    Args:
+        present: the names of components of the scene, whose services they would replace.
     """
-    present: list[str] = []
     for point in entry_points("morse.services"):
         try:
             check_name(point.name, present)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import reprlib
 from functools import partial
 from heapq import nlargest
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 _LIMIT = 80
 #: the first characters of a formula of a spreadsheet
 _FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
+#: where a spreadsheet that separates by something else than a comma begins another cell, before a formula
+_INNER = re.compile(r"([;\t\r\n][ \"]{0,8})(?=[=+\-@\uff1d\uff0b\uff0d\uff20])")
 
 
 def escaped(text: str) -> str:
@@ -56,15 +59,18 @@ def spreadsheet_cell(value: object) -> object:
     """Return a value for a cell of a CSV file; a text that a spreadsheet would execute as a formula begins with ``'``.
 
     Spreadsheets take what begins with ``=``, ``+``, ``-`` or ``@`` for a formula, also within quotes, after spaces, and
-    in the wide characters of East Asian keyboards. Texts that are numbers remain as they are.
+    in the wide characters of East Asian keyboards. Texts that are numbers remain as they are. Where the comma separates
+    decimals, spreadsheets separate cells by ``;`` or tabs, and know no quotes within a cell: then ``'`` is within the
+    text as well.
     """
-    if not isinstance(value, str) or not value.lstrip().startswith(_FORMULA):
+    if not isinstance(value, str):
         return value
-    try:
-        float(value)
-    except ValueError:
-        return f"'{value}"
-    return value
+    if value.lstrip().startswith(_FORMULA):
+        try:
+            float(value)
+        except ValueError:
+            value = f"'{value}"
+    return _INNER.sub(r"\1'", value)
 
 
 class _Short(reprlib.Repr):
