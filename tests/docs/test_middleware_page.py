@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -65,6 +66,31 @@ def test_the_page_is_a_middleware(tmp_path: Path) -> None:
     assert ended == "0.0 1", "after its timeout the command has ended, and the middleware is still there"
     for text in ("cannot be read", "'v' is 'fast', expected", "'v' is nan, expected"):
         assert text in run.stderr
+
+
+def test_its_test_passes_in_a_project(tmp_path: Path) -> None:
+    files = {
+        **{f"src/{name}": text for name, text in FILES.items() if name.startswith("my_lab/")},
+        "src/my_lab/__init__.py": "",
+        "tests/test_udp.py": FILES["tests/test_udp.py"],
+        "conftest.py": 'pytest_plugins = ["morse.testing.fixtures"]\n',
+        "pyproject.toml": FILES["pyproject.toml"] + '\n[tool.pytest.ini_options]\npythonpath = ["src"]\n',
+    }
+    for path, text in files.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text)
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert run.returncode == 0, run.stdout
+    assert "1 passed" in run.stdout
 
 
 def test_it_is_short() -> None:

@@ -26,7 +26,7 @@ class Requesting:
 
     Attributes:
         requests: all requests, in the order of `add_request`.
-        rays: the first bundle of rays (`morse.physics.RayBundle`), or None.
+        rays: the first bundle of rays (`morse.core.world.RayBundle`), or None.
     """
 
     requests: Sequence[Request] = ()

@@ -92,7 +92,7 @@ class Warp:
     """The undistorted images for the image of a lens.
 
     Args:
-        lens: a `morse.rendering.lens.DistortedLens`.
+        lens: a `DistortedLens`.
         directions, shows: its ``directions``.
 
     Attributes:

@@ -69,7 +69,7 @@ _DARKER, _SIGHT = 16.0, 26.0
 
 
 def submerged(sky: NDArray[np.float32], depth: float) -> NDArray[np.float32]:
-    """Return the sky (20,) of a camera under water; see `morse.kernel.drawing.Light`.
+    """Return the sky (20,) of a camera under water; see `morse.kernel.drawing.arrays.Light`.
 
     Args:
         sky: above the water.
@@ -93,7 +93,7 @@ class Instant(NamedTuple):
     Attributes:
         frames: the poses of the objects.
         lamps: the lamps; None if no image has colours.
-        sky: (20,) float32, see `morse.kernel.drawing.Light`; None if no image has colours.
+        sky: (20,) float32, see `morse.kernel.drawing.arrays.Light`; None if no image has colours.
         water: height of the surface of the water, m; None without water.
     """
 
@@ -234,7 +234,7 @@ class LitWorld:
         self._now: tuple[Lamps, NDArray[np.float32]] | None = None
 
     def now(self) -> tuple[Lamps, NDArray[np.float32]]:
-        """Return the lamps, and the sky (20,) float32; see `morse.kernel.drawing.Light`."""
+        """Return the lamps, and the sky (20,) float32; see `morse.kernel.drawing.arrays.Light`."""
         key = self._present_key()
         if self._now is None or key != self._key:
             lamps = lamps_of(self._nodes, self._world)

@@ -1,4 +1,4 @@
-"""Rays cast by numpy: the reference for the C functions, and their replacement if the kernel is missing.
+"""Rays cast by numpy: the reference for the C functions, which are bit-identical.
 
 A ray hits the nearest surface; of several at the same distance, that of the first solid, and of that solid the first
 triangle. Results therefore do not depend on trees, threads or processors.
