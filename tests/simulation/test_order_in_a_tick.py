@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+
+from morse.core.request_manager import RequestManager
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,6 +52,36 @@ def test_a_sleeper_is_awake_before_the_messages_of_that_time(load: Callable[...,
     ((now, measured),) = seen
     assert now == pytest.approx(0.5)
     assert measured == pytest.approx(29 / 60)
+
+
+class Caller(RequestManager):
+    """Makes a call, once, when the simulation answers services."""
+
+    def __init__(self, call: Callable[[], object]) -> None:
+        super().__init__()
+        self._calls = [call]
+
+    def initialization(self) -> bool:
+        return True
+
+    def finalization(self) -> bool:
+        return True
+
+    def on_service_completion(self, request_id: object, result: object) -> None:
+        """Nobody waits."""
+
+    def main(self) -> None:
+        while self._calls:
+            self._calls.pop()()
+
+
+def test_a_service_acts_in_the_tick_at_whose_beginning_it_is_called(load: Callable[..., Simulation]) -> None:
+    simulation = load(TWO.format(actuators="motion = MotionVW()\nrobot.append(motion)"))
+    motion: Any = simulation.context.component("robot.motion")
+    simulation.context.services.add_internal(Caller(lambda: motion.set_speed(1.0, 0.0)))
+    simulation.step(1)
+    pose = simulation.context.component("robot.pose")
+    assert pose.local_data["x"] == pytest.approx(1 / 60, abs=1e-3)
 
 
 @pytest.mark.parametrize("first", ["motion", "other"])

@@ -128,6 +128,12 @@ class Middleware:
         except ImportError:
             return False
 
+    def leaves_out(self, component: type) -> bool:
+        """Whether the middleware has no streams for a class of components, because of its name or its message kinds."""
+        if any(base.__name__ in self.not_carried for base in component.__mro__):
+            return True
+        return bool(self.kinds) and not any(use.kind in self.kinds for use in kinds_of(component))
+
     def stream_of(self, component: type, direction: str) -> str | None:
         """The default stream class of a component; None if the middleware does not support the component.
 
@@ -135,11 +141,7 @@ class Middleware:
             component: its class.
             direction: ``IN`` or ``OUT``.
         """
-        if self.stream_manager is None or says_nothing(component):
-            return None
-        if any(base.__name__ in self.not_carried for base in component.__mro__):
-            return None
-        if self.kinds and not any(use.kind in self.kinds for use in kinds_of(component)):
+        if self.stream_manager is None or says_nothing(component) or self.leaves_out(component):
             return None
         return self.default_reader if direction == "IN" else self.default_publisher
 

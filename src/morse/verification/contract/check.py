@@ -354,8 +354,7 @@ def carried(stand: ContractWorld) -> Iterator[Fault]:
     for name, middleware in registry.installed().items():
         # text files have no commands, and omit images
         usual = middleware.default_reader if direction == "IN" else middleware.default_publisher
-        is_left_out = any(base.__name__ in middleware.not_carried for base in cls.__mro__)
-        if middleware.stream_manager is None or usual is None or is_left_out:
+        if middleware.stream_manager is None or usual is None or middleware.leaves_out(cls):
             continue
         if middleware.stream_of(cls, direction) is None:
             yield Fault(CARRIED, f"'{name}' has no stream for it", place)
