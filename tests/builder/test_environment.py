@@ -363,3 +363,10 @@ def test_debug(env: Environment, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_misspelt_settings(env: Environment) -> None:
     with pytest.raises(AttributeError, match="did you mean 'set_camera_location'"):
         env.set_camera_loction([1, 2, 3])  # type: ignore[operator]
+
+
+def test_properties_of_the_place_are_known(env: Environment, caplog: pytest.LogCaptureFixture) -> None:
+    env.properties(UTMXOffset=377000.0, UTMYOffset="4827000.5", UTMZOffset=100.0)
+    assert not [record for record in caplog.records if "did you mean" in record.getMessage()]
+    env.properties(UTMXOfset=1.0)
+    assert any("did you mean 'UTMXOffset'" in record.getMessage() for record in caplog.records)

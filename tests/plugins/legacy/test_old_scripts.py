@@ -45,6 +45,13 @@ def warnings(caplog: pytest.LogCaptureFixture) -> list[str]:
         "from morse.builder import bpymorse",
         "from morse.builder.data import MORSE_DATASTREAM_MODULE, MORSE_MODIFIER_DICT",
         "from morse.core.morse_time import TimeStrategies; TimeStrategies.FixedSimulationStep",
+        "from morse.core.ackermann_robot import PhysicsAckermannRobot",
+        "from morse.core.morse_math import normalise_angle",
+        "from morse.core.datastream import DatastreamManager",
+        "from morse.helpers.controller import PIDController; PIDController(kp=1, kd=0.1, ki=0, limits_integrator=5)",
+        "from morse.middleware.abstract_datastream import AbstractDatastream",
+        "from morse.middleware.ros.abstract_ros import ROSPublisher, ROSSubscriber",
+        "from morse.middleware.ros.static_tf import StaticTFPublisher, StaticTF2Publisher",
     ],
 )
 def test_modules_of_1_4(load: Load, statement: str) -> None:

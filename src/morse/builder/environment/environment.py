@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 #: properties of the world that are numbers
-_PLACE = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset")
+_PLACE = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset", "UTMYOffset", "UTMZOffset")
 _FALLEN = ("warning", "error")
 #: largest angles on the Earth, degrees; longitudes are also counted from 0 to 360
 _DEGREES = {"longitude": 360.0, "latitude": 90.0}
