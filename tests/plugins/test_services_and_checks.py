@@ -156,6 +156,8 @@ def test_a_check_that_fails_is_named_and_the_others_go_on(scene: Path, kind: str
         sim.step(2)
     assert f"the check 'a' (lab:{kind}) cannot be made" in caplog.text
     assert "no robot has an arm" in caplog.text
+    returned = {"words": "'some words'", "nothing": "None"}
+    assert kind not in returned or f"it returns {returned[kind]}, expected" in caplog.text
 
 
 def test_a_check_with_endless_warnings_ends(scene: Path, caplog: pytest.LogCaptureFixture):

@@ -178,7 +178,9 @@ def log_warnings_of_packages(scene: Scene) -> None:
                 logger.warning("the check '%s' (%s) cannot be made: %s", point.name, point.value, describe(error))
 
 
-def _log(warnings: Iterable[object]) -> None:
+def _log(warnings: Iterable[object] | None) -> None:
+    if warnings is None or isinstance(warnings, str):
+        raise TypeError(f"it returns {warnings!r:.80}, expected morse.scene.SceneWarning objects: a list, or 'yield'")
     for warning in islice(warnings, _MOST):
         if not isinstance(warning, SceneWarning):
             raise TypeError(f"it returns {warning!r:.80}, expected objects of morse.scene.SceneWarning")
