@@ -36,6 +36,7 @@ def model(tmp_path: Path) -> Path:
         ("../../meshes/a.stl", "ws/rover/meshes/a.stl"),
         ("package://rover/meshes/a.stl", "ws/rover/meshes/a.stl"),
         ("package://other/meshes/b.stl", "ws/other/meshes/b.stl"),
+        ("package:///other/meshes/b.stl", "ws/other/meshes/b.stl"),
     ],
 )
 def test_files_of_packages_are_found(model: Path, tmp_path: Path, name: str, where: str) -> None:

@@ -73,3 +73,41 @@ def test_an_mjcf_file_with_a_floor_places_its_robot(tmp_path: Path, floor: str) 
     with morse.load(script) as sim:
         start = float(sim.world.data.qpos[2])
     assert start == pytest.approx(0.2 if floor else 0.5, abs=0.02)
+
+
+FEET = "".join(
+    f"""<link name="f{x}{y}"><collision><origin xyz="0 0 {0.02 - LEG}"/><geometry><box size="0.08 0.06 0.04"/>
+  </geometry></collision></link><joint name="jf{x}{y}" type="fixed"><parent link="trunk"/><child link="f{x}{y}"/>
+  <origin xyz="{x} {y} 0"/></joint>"""
+    for x in (-0.2, 0.2)
+    for y in (-0.1, 0.1)
+)
+FOUR_FEET = f"""<robot name="feet"><link name="trunk">
+<inertial><mass value="5"/><inertia ixx="0.04" iyy="0.1" izz="0.14" ixy="0" ixz="0" iyz="0"/></inertial></link>{FEET}
+</robot>"""
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1])
+def test_feet_that_are_below_a_thin_floor_are_put_on_it(tmp_path: Path, height: float) -> None:
+    """Nothing else of the robot collides, so that nothing touches the floor."""
+    (tmp_path / "feet.urdf").write_text(FOUR_FEET)
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE.format(file=str(tmp_path / "feet.urdf"), height=height))
+    with morse.load(script) as sim:
+        sim.step(60)
+        pose = sim.robot.pose.get()
+        assert pose["z"] == pytest.approx(LEG, abs=0.005)
+        assert (pose["x"], pose["y"], pose["roll"], pose["pitch"]) == pytest.approx((0.0,) * 4, abs=0.005)
+
+
+def test_a_robot_that_stands_astride_something_stays(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    (tmp_path / "feet.urdf").write_text(FOUR_FEET)
+    (tmp_path / "step.urdf").write_text(STEP)
+    more = f"step = Robot({str(tmp_path / 'step.urdf')!r})\nstep.set_physics_type('STATIC')\n"
+    more += f"step.translate(z={LEG - 0.35})\n"
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE.format(file=str(tmp_path / "feet.urdf"), height=LEG) + more)
+    with caplog.at_level(logging.WARNING), morse.load(script) as sim:
+        sim.step(30)
+        assert sim.robot.pose.get()["z"] == pytest.approx(LEG, abs=0.005)
+    assert "put on it" not in caplog.text

@@ -56,6 +56,20 @@ def test_a_world_without_floor_is_named(load: Load, caplog: pytest.LogCaptureFix
     assert line.endswith("bare.sdf' has no floor; F11 or the service simulation.reset begins again")
 
 
+def test_a_robot_without_collision_shapes_falls_through_the_floor_and_this_is_said(
+    load: Load, caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    file = tmp_path / "ghost.urdf"
+    file.write_text(
+        '<robot name="ghost"><link name="b"><visual><geometry><sphere radius="0.1"/></geometry></visual><inertial>'
+        '<mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
+    )
+    simulation = load(f"robot = Robot({str(file)!r})\nenv = Environment('empty', fastmode=True)\n", sockets=False)
+    simulation.step(180)
+    (line,) = falls(caplog)
+    assert "; it has no collision shapes that could stand on one" in line
+
+
 def test_a_fall_onto_the_floor_is_not_reported(load: Load, caplog: pytest.LogCaptureFixture) -> None:
     simulation = load(
         """

@@ -260,7 +260,8 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, Owners]]:
             yield folder / rest.lstrip("/"), ()
         yield from _candidates(f"model://{rest.lstrip('/').removeprefix('models/')}", model)
         return
-    package, _, inside = rest.partition("/")
+    # package:///robot/meshes/arm.stl has an empty host before the path, like file:///
+    package, _, inside = rest.removeprefix("/").partition("/")
     if not package or package in (".", ".."):
         return
     for folder in _packages(package, model):

@@ -14,6 +14,7 @@ from morse.core.guard import Failure
 from morse.core.hidden_methods import uncover
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.sensor import misfits
+from morse.physics.model.bottom import bottom_of
 from morse.physics.model.lowest import lowest_shape
 from morse.scene.scene_warnings import SceneWarning
 
@@ -87,6 +88,9 @@ class Fallen:
         world = f"'{simulation.scene.environment}'"
         floor = f"below the floor of {world}" if self._has_floor else f"and {world} has no floor"
         place = f"it is at z = {height:.1f} m, {floor}"
+        slot = simulation.world.slots[robot.bge_object.slot]
+        if bottom_of(simulation.world, slot.frame.root.node) is None:
+            place += "; it has no collision shapes that could stand on one"
         created = next((one.where for one in simulation.scene.components if one.name == name), None)
         line = str(created) if created is not None else ""
         simulation.context.guard.note(Failure("fallen", name, "has left the world", simulation.clock.time, place, line))

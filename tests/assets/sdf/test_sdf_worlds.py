@@ -116,6 +116,15 @@ def test_merged_models_give_their_links_to_the_one_around(tmp_path) -> None:
     assert [bone.name for bone in nodes["robot_joints"].bones] == ["j", "wrist"]
 
 
+def test_a_model_that_a_world_would_merge_stays_a_model(tmp_path) -> None:
+    """A world has no links; Gazebo merges models into models only."""
+    model(tmp_path / "models", "crate", CRATE)
+    library = load(world(tmp_path, '<include merge="true"><uri>model://crate</uri><pose>1 2 3 0 0 0</pose></include>'))
+    assert places(library) == {"crate": [1.0, 2.0, 3.0]}
+    (warning,) = library.warnings
+    assert "'model://crate' stays a model" in warning
+
+
 SCENE = """from morse.builder import *
 import math
 for x in (0.0, 2.0):

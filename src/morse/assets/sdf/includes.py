@@ -197,7 +197,10 @@ class Includes:
             model.placement = text_of(element, "placement_frame")
         model.static = boolean(element, "static", model.static)
         model.plugins += [(child, path) for child in element.findall("plugin")]
-        if (element.get("merge") or "").lower() in ("true", "1"):
+        merges = (element.get("merge") or "").lower() in ("true", "1")
+        if merges and not depth:
+            self.warn(f"the model '{uri:.120}' stays a model: a world has no links of its own that it could merge with")
+        if merges and depth:
             self._merge(scope, model)
         else:
             self._add(scope, model)

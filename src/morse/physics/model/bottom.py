@@ -14,10 +14,16 @@ if TYPE_CHECKING:
 
 def bottom_of(state: EngineState, node: Node) -> float | None:
     """Return the height of the lowest point of a body with wheels and links, m; None if it has no collision shapes."""
+    lowest = lowest_of(state, node)
+    return None if lowest is None else lowest[0]
+
+
+def lowest_of(state: EngineState, node: Node) -> tuple[float, int] | None:
+    """Return the height of the lowest point of a body with wheels and links, m, and the geom that has it."""
     own = state.slots[state.slot_of[node]]
     slots = [state.slots[index] for index in state.attached.get(state.slot_of[node], ())]
     geoms = [geom for slot in (own, *slots) for numbers in slot.geoms.values() for geom in numbers]
-    return min((_lowest(state, geom) for geom in geoms if state.model.geom_contype[geom]), default=None)
+    return min(((_lowest(state, geom), geom) for geom in geoms if state.model.geom_contype[geom]), default=None)
 
 
 def _lowest(state: EngineState, geom: int) -> float:

@@ -1,7 +1,8 @@
 """Robots that start deep inside the ground are raised until they stand on it.
 
 Thin ground is no obstacle to a robot that lies on both sides of it: the contacts above and below keep the robot inside,
-and push it aside. The origin of many robots with legs is in their trunk; at height 0 their legs are below the floor.
+and push it aside. A robot with few collision shapes, such as those of its feet, may even touch nothing there. The
+origin of many robots with legs is in their trunk; at height 0 their legs are below the floor.
 """
 
 from __future__ import annotations
@@ -11,10 +12,12 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from morse.physics.model.bottom import bottom_of
+from morse.physics.model.bottom import bottom_of, lowest_of
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
+    from collections.abc import Container
+
     from morse.physics.bodies import Bodies
     from morse.physics.model.layout import Frame
     from morse.physics.state.engine_state import EngineState
@@ -26,6 +29,8 @@ _SUNKEN = 0.15
 #: depth that the contacts correct, m
 _SHALLOW = 0.02
 _STEP = 0.02
+#: shapes that a ray passes at most, and distance behind one from which it goes on, m
+_MOST_HITS, _APART = 100, 1e-4
 #: vertical part of the normal of a contact with the ground
 _UPWARD = 0.7
 
@@ -39,7 +44,11 @@ def raise_sunken(state: EngineState, bodies: Bodies) -> bool:
         Whether the pose of any robot has changed; the contacts are then those of the new poses.
     """
     # without gravity, nothing stands on the ground
-    sunken = _sunken(state) if state.model.opt.gravity[2] < 0.0 else {}
+    if state.model.opt.gravity[2] >= 0.0:
+        return False
+    sunken = _sunken(state)
+    below = _below_thin_ground(state, sunken)
+    sunken |= {index: bottom for index, (bottom, _) in below.items()}
     if not sunken:
         return False
     starts = {index: tuple(state.positions[index]) for index in sunken}
@@ -48,6 +57,9 @@ def raise_sunken(state: EngineState, bodies: Bodies) -> bool:
     for count in range(1, int(max(limits.values()) / _STEP) + 1):
         for index in lifted:
             x, y, z = starts[index]
+            if index in below:
+                bottom, ground = below[index]
+                z += ground - bottom
             bodies.place(index, (x, y, z + count * _STEP), state.rotations[index])
         mujoco.mj_kinematics(state.model, state.data)
         mujoco.mj_collision(state.model, state.data)
@@ -85,6 +97,47 @@ def _sunken(state: EngineState) -> dict[int, float]:
         if bottom is not None and (depth > _SUNKEN or (_is_of_file(frame) and height - bottom > _SUNKEN)):
             bottoms[index] = bottom
     return bottoms
+
+
+def _below_thin_ground(state: EngineState, others: Container[int]) -> dict[int, tuple[float, float]]:
+    """Return the robots of files that touch nothing, with their bottom below a fixed body and their origin above it.
+
+    Args:
+        others: robots that are raised anyway.
+
+    Returns:
+        The index of each robot to the heights of its bottom and of the ground below its origin, m.
+    """
+    robots: dict[int, tuple[float, float]] = {}
+    for index, slot in enumerate(state.slots):
+        if index in others or slot.frame.motion is not Motion.FREE or not _is_of_file(slot.frame):
+            continue
+        lowest = lowest_of(state, slot.frame.node)
+        x, y, z = (float(value) for value in state.positions[index])
+        if lowest is None or z - lowest[0] <= _SUNKEN:
+            continue
+        ground = _fixed_height(state, (x, y, z + _SHALLOW), -1.0)
+        foot = state.data.geom_xpos[lowest[1]]
+        ceiling = _fixed_height(state, (float(foot[0]), float(foot[1]), float(foot[2])), 1.0)
+        if ground is not None and ceiling is not None and lowest[0] + _SUNKEN < ground and ceiling <= ground + _SHALLOW:
+            robots[index] = lowest[0], ground
+    return robots
+
+
+def _fixed_height(state: EngineState, origin: tuple[float, float, float], up: float) -> float | None:
+    """Return the height at which a vertical ray hits the first fixed body, m; it passes through all others."""
+    point, geom = np.array(origin), np.full(1, -1, dtype=np.int32)
+    for _ in range(_MOST_HITS):
+        distance = float(mujoco.mj_ray(state.model, state.data, point, np.array([0.0, 0.0, up]), None, 1, -1, geom))
+        if distance < 0.0:
+            return None
+        point[2] += up * distance
+        node = state.geom_node[int(geom[0])]
+        is_solid = bool(state.model.geom_contype[geom[0]] or state.model.geom_conaffinity[geom[0]])
+        if is_solid and state.slots[state.slot_of[node]].frame.root.motion is Motion.FIXED:
+            return float(point[2])
+        point[2] += up * _APART
+    return None
 
 
 def _overlapping(state: EngineState, depth: float) -> dict[int, tuple[float, float]]:
