@@ -8,6 +8,7 @@ import socket
 import struct
 import threading
 import time
+from collections import deque
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -73,6 +74,8 @@ _LARGEST, MOST_MESSAGES = 4 << 20, 20_000
 _MOST_BYTES = CLIENT_BYTES - _LARGEST
 #: bytes of packets that are read in a wall-clock second: reading takes the time of the ticks
 _MOST_PER_SECOND = 4 << 20
+#: values of a variable that are read in a tick
+_MOST_VALUES = 16
 #: wall-clock seconds in which the database must begin to answer, and complete its answer
 _TIMEOUT, _WHOLE_ANSWER = 5.0, 20.0
 #: wall-clock seconds between two attempts to connect
@@ -283,7 +286,10 @@ class Database:
             self._complaints.warn("slow", f"moos: the database {self.place} is too slow: messages are lost")
 
     def received(self) -> list[tuple[str, float | str]]:
-        """Return the variables that have arrived since the last call; log whether there is a database."""
+        """Return the variables that have arrived since the last call; log whether there is a database.
+
+        Of many values of a variable, the last ones: to read or refuse all of them would take the time of the ticks.
+        """
         is_open, refusal = self.connected, self._exchange.refusal
         self._exchange.refusal = ""
         if is_open and not self._was_connected:
@@ -294,9 +300,11 @@ class Database:
         elif refusal:
             self._complaints.warn("refused", f"moos: the database {self.place} is not used: {refusal}")
         self._was_connected = is_open
-        return [
-            (message.key, message.val if message.is_double() else message.sval) for message in self._exchange.fetch()
-        ]
+        latest: dict[str, deque[float | str]] = {}
+        for message in self._exchange.fetch():
+            values = latest.setdefault(message.key, deque(maxlen=_MOST_VALUES))
+            values.append(message.val if message.is_double() else message.sval)
+        return [(key, value) for key, values in latest.items() for value in values]
 
     def close(self) -> None:
         """Disconnect."""
