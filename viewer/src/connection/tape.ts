@@ -3,7 +3,7 @@ import type { ServerMessage } from "../generated/protocol";
 
 type Place = [begin: number, length: number];
 
-/** See `morse.viewer.tape.tape`. */
+/** See `morse.viewer.exported_page`. */
 interface Head {
   title: string;
   begin: number;

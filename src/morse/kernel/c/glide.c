@@ -1,4 +1,4 @@
-// Robots that are driven together over a level floor; the twin of `driving/reference.py`.
+// Robots that are driven together over a level floor; the twin of `tests/kernel/twins/driving.py`.
 #include "glide.h"
 
 #include <math.h>

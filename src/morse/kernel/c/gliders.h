@@ -1,4 +1,4 @@
-// Robots that are driven together over the ground, as `driving/arrays.py` defines them.
+// Robots that are driven together over the ground, as `morse/kernel/driving.py` defines them.
 #pragma once
 
 #include <stdint.h>

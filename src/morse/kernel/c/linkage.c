@@ -1,4 +1,5 @@
-// Bones, the objects attached to them, and the collision shapes of these objects; the twin of `linkage/reference.py`.
+// Bones, the objects attached to them, and the collision shapes of these objects; the twin of
+// `tests/kernel/twins/linkage.py`.
 #include <math.h>
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 // Intersection of a ray with a triangle mesh: watertight, in double precision (Woop, Benthin and Wald 2013).
 //
-// Each operation is the same as in `rays/triangles.py`, so that both give bit-identical results.
+// Each operation is the same as in `tests/kernel/twins/triangles.py`, so that both give bit-identical results.
 #pragma once
 
 #include "ray.h"

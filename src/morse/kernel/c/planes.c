@@ -1,4 +1,4 @@
-// Planes in place of boxes below wheeled robots; the twin of `driving/reference.py`.
+// Planes in place of boxes below wheeled robots; the twin of `tests/kernel/twins/driving.py`.
 #include <math.h>
 #include <stdint.h>
 

@@ -1,4 +1,5 @@
-// Where a ray enters and leaves a primitive: the closed formulas of `rays/primitives.py`, one ray at a time.
+// Where a ray enters and leaves a primitive: the closed formulas of `tests/kernel/twins/primitives.py`, one ray at a
+// time.
 //
 // Each operation is the same as there and in the same order, so that both give bit-identical results. Rays are given in
 // the frame of the primitive, whose axis is Z. A ray that misses enters at infinity and leaves at minus infinity.

@@ -1,5 +1,5 @@
 // Driven robots that do not glide, because they push something or have just started; the twin of
-// `driving/pushing.py`.
+// `tests/kernel/twins/pushing.py`.
 #include <math.h>
 #include <stdint.h>
 

@@ -1,4 +1,4 @@
-// The solids that rays can hit, as described in `rays/arrays.py`.
+// The solids that rays can hit, as described in `morse/kernel/rays.py`.
 #pragma once
 
 #include "export.h"

@@ -1,4 +1,4 @@
-// Traction of robots on driven wheels; the twin of `driving/reference.py`.
+// Traction of robots on driven wheels; the twin of `tests/kernel/twins/driving.py`.
 #include <math.h>
 #include <stdint.h>
 

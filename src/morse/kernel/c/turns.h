@@ -1,4 +1,4 @@
-// Sine and cosine, bit-identical on all platforms: sums and products only, as in `driving/reference.py`.
+// Sine and cosine, bit-identical on all platforms: sums and products only, as in `tests/kernel/twins/driving.py`.
 #pragma once
 
 #include <math.h>

@@ -1,4 +1,4 @@
-// The forces of water on the box of a vessel; the twin of `water/reference.py`.
+// The forces of water on the box of a vessel; the twin of `tests/kernel/twins/water.py`.
 #include <math.h>
 #include <stdint.h>
 
