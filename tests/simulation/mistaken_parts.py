@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import add_data
 from morse.core.modifier import AbstractModifier
+from morse.core.request_manager import RequestManager
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, service
 
@@ -127,3 +128,33 @@ class AwaitedService(Sensor):
 class YieldingModifier(AbstractModifier):
     def modify(self) -> Any:
         yield 1
+
+
+class ManagerOf14(RequestManager):
+    """Takes no arguments, as the request managers of MORSE 1.4."""
+
+    def __init__(self) -> None:
+        RequestManager.__init__(self)
+        self.answer_of_service: object = None
+
+    def initialization(self) -> bool:
+        return self.context is not None
+
+    def finalization(self) -> bool:
+        return True
+
+    def on_service_completion(self, request_id: object, result: object) -> None:
+        """Only synchronous calls are made."""
+
+    def main(self) -> None:
+        self.answer_of_service = self.on_incoming_request("robot.pose", "get_local_data", [])
+
+
+class BrokenManager(ManagerOf14):
+    def __init__(self) -> None:
+        raise KeyError("port")
+
+
+class BrokenAtStart(ManagerOf14):
+    def initialization(self) -> bool:
+        raise KeyError("port")

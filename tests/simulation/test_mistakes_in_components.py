@@ -63,6 +63,39 @@ def test_methods_whose_calls_run_nothing(name: str, text: str) -> None:
         with_sensor(name)
 
 
+def with_manager(name: str) -> Any:
+    """A simulation of a robot with a pose whose services one of the request managers offers."""
+
+    def scene() -> None:
+        robot = ATRV("robot")
+        pose = Pose("pose")
+        pose.add_service(f"mistaken_parts.{name}")
+        robot.append(pose)
+        Environment("empty", fastmode=True)
+
+    return morse.load(scene, sockets=True)
+
+
+def test_a_request_manager_without_arguments() -> None:
+    simulation = with_manager("ManagerOf14")
+    try:
+        simulation.step(1)
+        manager = simulation.context.services.request_managers()["mistaken_parts.ManagerOf14"]
+        done, (status, fields) = manager.answer_of_service
+        assert (done, status) == (True, "SUCCESS")
+        assert "yaw" in fields
+    finally:
+        simulation.close()
+
+
+@pytest.mark.parametrize("name", ["BrokenManager", "BrokenAtStart"])
+def test_a_request_manager_that_cannot_start_is_named_with_its_line(name: str) -> None:
+    with pytest.raises(
+        LoadError, match=rf"(?s)request manager mistaken_parts.{name} cannot start.*port.*mistaken_parts"
+    ):
+        with_manager(name)
+
+
 def test_a_modifier_whose_calls_run_nothing() -> None:
     def scene() -> None:
         robot = ATRV("robot")

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from morse.core.interfaces import Middleware
     from morse.core.modifier import AbstractModifier
     from morse.core.object import Object
+    from morse.core.request_manager import RequestManager
     from morse.core.world import Body
     from morse.scene import ComponentDeclaration, ModifierDeclaration, SourceLine
 
@@ -314,11 +315,11 @@ def _add_interfaces(context: Context, component: Object, declaration: ComponentD
     if context.network is None:
         return
     for name in declaration.managers:
-        add_request_manager(context, name)
+        add_request_manager(context, name, declaration.where)
         context.services.register_request_manager_mapping(declaration.name, name)
     context.services.register_object(declaration.name, component)
     for instance, manager_name in overlays:
-        add_request_manager(context, manager_name)
+        add_request_manager(context, manager_name, declaration.where)
         context.services.register_request_manager_mapping(instance.name(), manager_name)
         context.services.register_object(instance.name(), instance)
 
@@ -381,7 +382,31 @@ def make_stream_manager(context: Context, classpath: str) -> Middleware:
     return manager
 
 
-def add_request_manager(context: Context, classpath: str) -> None:
-    """Start the request manager of a class path, unless it is already running."""
-    if classpath not in context.services.request_managers():
-        context.services.add_request_manager(load_class(classpath)(context))
+def add_request_manager(context: Context, classpath: str, where: SourceLine | None = None) -> None:
+    """Start the request manager of a class path, unless it is already running.
+
+    Args:
+        where: the line of the script that wants it, for errors.
+
+    Raises:
+        LoadError: it cannot be created or started.
+    """
+    if classpath in context.services.request_managers():
+        return
+    try:
+        context.services.add_request_manager(_make_request_manager(context, load_class(classpath)))
+    except (MorseError, OSError, *ENDINGS):
+        raise
+    except BaseException as error:
+        raise LoadError(f"the request manager {classpath} cannot start: {describe(error)}", where) from error
+
+
+def _make_request_manager(context: Context, cls: Any) -> RequestManager:
+    try:
+        inspect.signature(cls).bind(context)
+    except TypeError:
+        # those of MORSE 1.4 take no arguments; what they need of the context is there before `initialization`
+        manager: RequestManager = cls()
+        manager.context = context
+        return manager
+    return cls(context)  # type: ignore[no-any-return]

@@ -1,6 +1,6 @@
 """Streams with other messages than the usual ones, under the class names of MORSE 1.4.
 
-Scripts name them as ``method``: ``pose.add_stream('ros', 'morse.plugins.ros.pose.TFPublisher')``.
+Scripts name them as ``method``: ``pose.add_stream('ros', 'morse.middleware.ros.pose.TFPublisher')``.
 """
 
 from __future__ import annotations
