@@ -12,9 +12,12 @@ and masses (its shapes are left out, since that parser reads few meshes).
 | loads | `Robot(FILE)` or `Environment(FILE)` gives a simulation |
 | joints, mass | number of moving joints, and mass, in the other engine and here |
 | places | largest distance of a joint from its place in the other engine, with all joints at 0, m |
-| rests | no body is faster than 0.05 m/s from 2.5 to 3 s: it stands or holds, with its motors at the start |
+| rests | no body is faster than 0.05 m/s from 2.5 to 3 s: it stands or holds, with its motors at the start. An arm that
+  topples, which is one whose base carries one joint, is tried again with its base fixed. What has no collision shapes
+  is not judged |
 | drives | m of 1.2 m in 4 s at 0.3 m/s, and rad of 1 rad in 2 s at 0.5 rad/s, from rest, by wheels of the file; in a
-  world, m in 4 s of an ATRV that is told to drive at 0.5 m/s, from the best of five places |
+  world, m in 4 s of an ATRV that is told to drive at 0.5 m/s, from the best of five places, each on the lowest surface
+  with 1 m of room above it. A world without such a surface is not judged |
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +37,8 @@ SUFFIXES = (".urdf", ".xacro", ".sdf", ".world", ".xml")
 _LONGEST = 240.0
 _RESTING = 0.05
 _PLACES = ((0.0, 0.0), (2.0, 0.0), (-2.0, 0.0), (0.0, 2.0), (3.0, -3.0))
+#: height from which floors are searched; shapes on the way; room that a robot needs, m
+_HIGH, _MOST_SURFACES, _ROOM = 1000.0, 1000, 1.0
 _MARK = "reach: "
 
 Row = dict[str, Any]
@@ -142,24 +148,28 @@ def _robot(path: Path, other: Any) -> Row:
         robot = Robot(str(path))
         if drive and "motion" not in robot.actuators:
             robot.append(MotionVWDiff("motion"))
+        if is_fixed:
+            robot.set_physics_type("STATIC")
         robot.append(Pose("spot"))
         Environment("empty", fastmode=True)
 
     row: Row = {}
-    drive = False
+    drive = is_fixed = False
     with morse.load(scene) as sim:
         world = sim.world
         row["joints_here"] = sum(1 for node in world.scene.nodes() for bone in node.bones if bone.kind != "fixed")
         row["mass_here"] = _moving_mass(world.model)
         if not isinstance(other, str):
             row["places"] = _apart(world.model, other)
-        sim.step(150)
-        before = world.data.xpos.copy()
-        sim.step(30)
-        mujoco.mj_kinematics(world.model, world.data)
-        speed = float(abs(world.data.xpos - before).max()) / 0.5
-        row["rests"] = math.isfinite(speed) and speed < _RESTING
+        row["collides"] = bool(world.model.geom_contype[world.model.geom_bodyid > 0].any())
+        is_arm = _is_free_arm(world.model)
+        row["rests"] = _rests(sim)
         row["failures"] = [str(one)[:200] for one in sim.failures]
+    if not row["rests"] and is_arm:
+        is_fixed = True
+        with morse.load(scene) as sim:
+            row["rests_fixed"] = _rests(sim)
+        is_fixed = False
     if not isinstance(other, str) and other.nq and not str(path).endswith(".urdf"):
         data = mujoco.MjData(other)
         mujoco.mj_step(other, data, int(2.5 / other.opt.timestep))
@@ -174,6 +184,25 @@ def _robot(path: Path, other: Any) -> Row:
         if "has no wheels to drive" not in str(error):
             row["drives_not"] = str(error).splitlines()[0][:200]
     return row
+
+
+def _rests(sim: Any) -> bool:
+    """Whether no body is fast any more after 2.5 s."""
+    import mujoco
+
+    model, data = sim.world.model, sim.world.data
+    sim.step(150)
+    before = data.xpos.copy()
+    sim.step(30)
+    mujoco.mj_kinematics(model, data)
+    speed = float(abs(data.xpos - before).max()) / 0.5
+    return math.isfinite(speed) and speed < _RESTING
+
+
+def _is_free_arm(model: Any) -> bool:
+    """Whether there is one free body, from which one chain of joints starts."""
+    free = [int(model.jnt_bodyid[joint]) for joint in range(model.njnt) if model.jnt_type[joint] == 0]
+    return len(free) == 1 and sum(1 for body in range(model.nbody) if model.body_parentid[body] == free[0]) == 1
 
 
 def _apart(here: Any, other: Any) -> float | None:
@@ -216,35 +245,54 @@ def _driven(sim: Any) -> list[float]:
 def _world(path: Path) -> Row:
     import morse
 
-    best, error = 0.0, None
-    for x, y in _PLACES:
+    def scene(place: tuple[float, float, float] = (0.0, 0.0, _HIGH)) -> None:
+        from morse.builder import ATRV, Environment, MotionVW, Pose
 
-        def scene(x: float = x, y: float = y) -> None:
-            from morse.builder import ATRV, Environment, MotionVW, Pose
+        robot = ATRV()
+        robot.translate(*place)
+        robot.append(MotionVW("motion"))
+        robot.append(Pose("spot"))
+        Environment(str(path), fastmode=True)
 
-            robot = ATRV()
-            robot.translate(x=x, y=y, z=0.1)
-            robot.append(MotionVW("motion"))
-            robot.append(Pose("spot"))
-            Environment(str(path), fastmode=True)
-
-        try:
-            with morse.load(scene) as sim:
-                sim.step(60)
-                start = sim.robot.spot.get()
-                sim.robot.motion.publish({"v": 0.5, "w": 0.0})
-                sim.step(240)
-                end = sim.robot.spot.get()
-        except Exception as raised:
-            error = raised
-            break
-        if end["z"] > start["z"] - 1.0 and abs(end["z"]) < 100.0:
+    with morse.load(scene) as sim:
+        places = [(x, y, z + 0.1) for x, y in _PLACES if (z := _floor(sim.world, x, y)) is not None]
+    best = 0.0
+    for place in places:
+        with morse.load(partial(scene, place)) as sim:
+            sim.step(60)
+            start = sim.robot.spot.get()
+            sim.robot.motion.publish({"v": 0.5, "w": 0.0})
+            sim.step(240)
+            end = sim.robot.spot.get()
+        if end["z"] > start["z"] - 1.0:
             best = max(best, math.hypot(end["x"] - start["x"], end["y"] - start["y"]))
         if best > 1.0:
             break
-    if error is not None:
-        raise error
-    return {"drives": [round(best, 3)]}
+    return {"floor": bool(places)} | ({"drives": [round(best, 3)]} if places else {})
+
+
+def _floor(world: Any, x: float, y: float) -> float | None:
+    """The lowest of the surfaces above one another that have room for a robot, m."""
+    import mujoco
+    import numpy as np
+
+    floor, above, seen = None, math.inf, set()
+    point, geom = np.array([x, y, _HIGH - 10.0]), np.full(1, -1, dtype=np.int32)
+    for _ in range(_MOST_SURFACES):
+        distance = mujoco.mj_ray(world.model, world.data, point, np.array([0.0, 0.0, -1.0]), None, 1, -1, geom)
+        if distance < 0.0:
+            break
+        point[2] -= distance
+        shape, height = int(geom[0]), float(point[2])
+        point[2] -= 1e-4
+        if not world.model.geom_contype[shape] and not world.model.geom_conaffinity[shape]:
+            continue
+        # the first surface of a shape is its top, the next one its bottom
+        if shape not in seen and above - height >= _ROOM:
+            floor = height
+        seen.add(shape)
+        above = height
+    return floor
 
 
 # -- all files ---------------------------------------------------------------------------------------------------------
@@ -280,14 +328,13 @@ def judged(row: Row) -> Row:
         same = row["joints_here"] >= row["joints"] and (row.get("places") or 0.0) < 1e-6
         # a link that moves has a mass of a gram here if the file has none
         same = same and math.isclose(row["mass_here"], row["mass"], rel_tol=1e-3, abs_tol=2e-3 * max(row["joints"], 1))
-    stands = (
-        (row["rests"] == row["rests_there"] if "rests_there" in row else row["rests"])
-        if loads and "rests" in row
-        else None
-    )
+    stands = None
+    if loads and row.get("collides"):
+        rests = row["rests"] or row.get("rests_fixed", False)
+        stands = row["rests"] == row["rests_there"] if "rests_there" in row else rests
     drives: bool | None = None
     if loads and row["kind"] == "world":
-        drives = row["drives"][0] > 1.0
+        drives = row["drives"][0] > 1.0 if row["floor"] else None
     elif loads and "drives" in row:
         distance, turned = row["drives"]
         drives = abs(distance - 1.2) <= 0.024 and abs(turned - 1.0) <= 0.05
