@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import socket
 import struct
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
@@ -189,6 +191,25 @@ def test_a_client_with_another_protocol_is_disconnected(load: Callable[..., Any]
     line.say("d", "0.5")
     step_until(sim, lambda: sim.context.components["robot.motion"].local_data["x"] == 0.5)
     line.close()
+
+
+def test_a_client_that_rests_when_the_simulation_ends_is_no_fault(
+    load: Callable[..., Any], names: Names, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def rest(_sender: object) -> None:
+        resting.set()
+        await asyncio.sleep(LIMIT)
+
+    resting = threading.Event()
+    monkeypatch.setattr("morse.core.clients.budgets.Sender.rest", rest)
+    with load(names.port, BOTH) as sim:
+        step_until(sim, lambda: MOTION in names.known)
+        host, port = names.known[MOTION]
+        client = socket.create_connection((host, port), timeout=LIMIT)
+        client.sendall(b"CONNECT /a\nd\n0 0 0\n")
+        assert resting.wait(LIMIT)
+    client.close()
+    assert "Exception in callback" not in caplog.text
 
 
 def test_the_ports_are_on_this_machine_only(load: Callable[..., Any], names: Names) -> None:

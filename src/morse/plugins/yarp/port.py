@@ -229,6 +229,8 @@ class Port:
             await (self._lines(one) if one.carrier in (wire.TEXT, wire.TEXT_ACK) else self._messages(one))
         except (OSError, asyncio.IncompleteReadError, TimeoutError):
             pass  # the other side has gone
+        except asyncio.CancelledError:
+            pass  # the simulation ends; asyncio of Python 3.11 would print the lines of the code
         except ValueError as error:
             self._complaints.warn("wrong", f"yarp: a connection to {self.name} is closed: {error}")
         finally:
