@@ -14,7 +14,7 @@ from recorded import drive, read_by_rosbags, scene
 
 import morse
 from morse.recording.errors import RecordingError
-from morse.recording.export import export
+from morse.recording.export import _cell, export
 from morse.recording.fields import DECLARED, FIELDS, FIELDS_TYPE
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.records import Message
@@ -144,6 +144,11 @@ def test_texts_and_names_of_fields_are_no_formulas_for_a_spreadsheet(tmp_path: P
     assert not any(
         cell[0] in "=@" for table in tables for row in csv.reader(table.splitlines()) for cell in row if cell
     )
+
+
+def test_texts_in_lists_are_no_formulas_for_a_spreadsheet() -> None:
+    # which separates by semicolons, and knows no quotes within a cell
+    assert _cell(["a;=1+1", -1]) == '["a;\'=1+1", -1]'
 
 
 @pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00\xff\xff\xff\xffab", b"\x09" * 40])

@@ -233,7 +233,7 @@ class _Csv:
 
 def _cell(value: object) -> object:
     if isinstance(value, (list, dict)) or hasattr(value, "tolist"):
-        return json.dumps(_plain(value))
+        return spreadsheet_cell(json.dumps(_plain(value)))
     return spreadsheet_cell(value)
 
 
