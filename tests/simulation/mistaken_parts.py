@@ -6,6 +6,7 @@ import itertools
 import signal
 from typing import TYPE_CHECKING, Any
 
+from morse.core.datastream import AbstractDatastream, DatastreamManager
 from morse.core.declarations import add_data
 from morse.core.modifier import AbstractModifier
 from morse.core.request_manager import RequestManager
@@ -158,3 +159,22 @@ class BrokenManager(ManagerOf14):
 class BrokenAtStart(ManagerOf14):
     def initialization(self) -> bool:
         raise KeyError("port")
+
+
+class StreamsOf14(DatastreamManager):
+    """Reads its options where those of MORSE 1.4 have them."""
+
+    def __init__(self, args: Any, kwargs: Any) -> None:
+        DatastreamManager.__init__(self, args, kwargs)
+        self.host = kwargs.get("host", "localhost")
+
+
+class BrokenStreams(DatastreamManager):
+    def __init__(self, args: Any, kwargs: Any) -> None:
+        DatastreamManager.__init__(self, args, kwargs)
+        self.host = kwargs["host"]
+
+
+class Silent(AbstractDatastream):
+    def default(self, ci: Any = None) -> None:
+        """Sends nothing."""

@@ -96,6 +96,36 @@ def test_a_request_manager_that_cannot_start_is_named_with_its_line(name: str) -
         with_manager(name)
 
 
+def with_stream(manager: str, *, used: bool = True, **options: object) -> Any:
+    """A simulation of a robot with a pose, whose stream is of one of the stream managers if it is used."""
+
+    def scene() -> None:
+        robot = ATRV("robot")
+        pose = Pose("pose")
+        if used:
+            pose.add_stream(f"mistaken_parts.{manager}", "mistaken_parts.Silent")
+        robot.append(pose)
+        env = Environment("empty", fastmode=True)
+        env.configure_stream_manager(f"mistaken_parts.{manager}", **options)
+
+    return morse.load(scene, sockets=True)
+
+
+def test_a_stream_manager_of_1_4_has_its_options_in_kwargs() -> None:
+    with with_stream("StreamsOf14", host="example.org") as simulation:
+        manager = simulation.context.stream_managers["mistaken_parts.StreamsOf14"]
+        assert (manager.host, manager.options) == ("example.org", {"host": "example.org"})
+        assert manager.context is simulation.context
+        assert list(manager.streams) == ["robot.pose"]
+
+
+@pytest.mark.parametrize("used", [True, False])
+def test_a_stream_manager_that_cannot_start_is_told_with_its_line(used: bool) -> None:
+    text = r"(?s)stream manager mistaken_parts.BrokenStreams cannot start: KeyError.*host.*mistaken_parts.py"
+    with pytest.raises(LoadError, match=text):
+        with_stream("BrokenStreams", used=used, port=1)
+
+
 def test_a_modifier_whose_calls_run_nothing() -> None:
     def scene() -> None:
         robot = ATRV("robot")

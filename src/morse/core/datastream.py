@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import Option
@@ -112,6 +112,9 @@ class DatastreamManager(Observer):
         cls._mapped = mapped_kinds(cls)
 
     def __init__(self, options: Options, context: Context) -> None:
+        if isinstance(context, dict):
+            # a subclass of MORSE 1.4 passes on (args, kwargs), of which the second are the options
+            options, context = context, cast("Context", options)
         self.context = context
         self.streams: dict[str, list[Any]] = {}
         if not self.classpath:

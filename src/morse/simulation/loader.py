@@ -6,6 +6,7 @@ import inspect
 import logging
 import threading
 import traceback
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ from morse.scene.realism import RealismModel
 from morse.scene.scene_warnings import about
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from morse.core.context import Context
     from morse.core.interfaces import Middleware
@@ -376,9 +377,17 @@ def _add_modifier(
 
 
 def make_stream_manager(context: Context, classpath: str) -> Middleware:
-    """Start the stream manager of a class path."""
+    """Start the stream manager of a class path.
+
+    Raises:
+        LoadError: its class raises an error.
+    """
     options = dict(context.scene.manager_options.get(classpath, {}))
-    manager: Middleware = load_class(classpath)(options, context)
+    with _starting(f"the stream manager {classpath}"):
+        cls: Any = load_class(classpath)
+        # those of MORSE 1.4 take (args, kwargs), of which the second are the options
+        is_of_1_4 = list(inspect.signature(cls).parameters)[1:2] == ["kwargs"]
+        manager: Middleware = cls(context, options) if is_of_1_4 else cls(options, context)
     return manager
 
 
@@ -389,16 +398,22 @@ def add_request_manager(context: Context, classpath: str, where: SourceLine | No
         where: the line of the script that wants it, for errors.
 
     Raises:
-        LoadError: it cannot be created or started.
+        LoadError: its class raises an error.
     """
-    if classpath in context.services.request_managers():
-        return
+    if classpath not in context.services.request_managers():
+        with _starting(f"the request manager {classpath}", where):
+            context.services.add_request_manager(_make_request_manager(context, load_class(classpath)))
+
+
+@contextmanager
+def _starting(what: str, where: SourceLine | None = None) -> Iterator[None]:
+    """Errors of classes of users become messages with their lines; those that are messages already stay."""
     try:
-        context.services.add_request_manager(_make_request_manager(context, load_class(classpath)))
+        yield
     except (MorseError, OSError, *ENDINGS):
         raise
     except BaseException as error:
-        raise LoadError(f"the request manager {classpath} cannot start: {describe(error)}", where) from error
+        raise LoadError(f"{what} cannot start: {describe(error)}", where) from error
 
 
 def _make_request_manager(context: Context, cls: Any) -> RequestManager:
