@@ -172,3 +172,20 @@ def test_a_package_that_was_half_removed_has_no_name(site: Path) -> None:
     (site / "my_lab-1.0.dist-info" / "METADATA").unlink()
     done = run(site, USE)
     assert "my_lab.sensors.sonar.Sonar" in done.stdout, done.stderr
+
+
+def test_files_of_packages_are_read_once(site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from importlib import metadata
+
+    monkeypatch.syspath_prepend(str(site))
+    before = plugins.entry_points("morse.modifiers")
+    # each sensor of a robot asks several times: 1,000 sensors of a description took seconds
+    monkeypatch.setattr(metadata.PathDistribution, "read_text", lambda *_: pytest.fail("read again"))
+    assert plugins.entry_points("morse.modifiers") == before
+
+
+def test_a_project_with_endless_brackets_has_no_entry_points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "src").mkdir()
+    (tmp_path / "pyproject.toml").write_text(f'"morse.x" = {"[" * 100_000}')
+    monkeypatch.syspath_prepend(str(tmp_path / "src"))
+    assert plugins.entry_points("morse.no_such_group") == ()

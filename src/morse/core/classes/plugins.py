@@ -40,7 +40,7 @@ def entry_points(group: str) -> tuple[EntryPoint, ...]:
     own = [point for _, points in projects for point in points if point.group == group]
     names = {name for name, _ in projects if name}
     # what was installed of a project that runs from its folder may be older than its pyproject.toml
-    others = [point for point in _found(group, tuple(sys.path)) if _distribution(point) not in names]
+    others = [point for point, package in _found(group, tuple(sys.path)) if package not in names]
     points = dict.fromkeys((*own, *others))
     return tuple(sorted(points, key=lambda point: (point.name, point.value)))
 
@@ -84,13 +84,18 @@ def _of_file(file: Path, _changed: int) -> tuple[str, tuple[EntryPoint, ...]]:
             if group.startswith("morse.")
             for name, value in points.items()
         )
-    except (ValueError, AttributeError) as error:
+    except (ValueError, AttributeError, RecursionError) as error:
         logger.warning("the entry points in %s are left out: %s", file, error, extra=OF_MACHINE)
         return _NOTHING
 
 
 @lru_cache(maxsize=32)
-def _found(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+def _found(group: str, path: tuple[str, ...]) -> tuple[tuple[EntryPoint, str], ...]:
+    """The entry points, and the names of their packages, which are read from a file each."""
+    return tuple((point, _distribution(point)) for point in _installed(group, path))
+
+
+def _installed(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
     # avoids importing importlib.metadata (30 ms) if no package has such entry points
     if not any(_mentions(group, Path(entry)) for entry in dict.fromkeys(path)):
         return ()
