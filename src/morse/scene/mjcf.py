@@ -39,11 +39,13 @@ class MjcfFile:
         texts: the text of the file, then those of the models that it attaches.
         files: name in the texts to the content of the file; other files are not read.
         attached: the places of the attached models, for each text.
+        bound: smallest mass, kg, and moment of inertia, kg m^2, of bodies, unless a text says one; 0 for none.
     """
 
     texts: tuple[str, ...]
     files: dict[str, bytes] = field(default_factory=dict)
     attached: tuple[tuple[AttachedModel, ...], ...] = ()
+    bound: float = 0.0
 
     def spec(self) -> Any:
         """Return the `mujoco.MjSpec` of the file, in which every body, joint, geom, actuator and mesh has a name.
@@ -60,6 +62,8 @@ class MjcfFile:
         if _READS_FILES.search(text) or depth > 8:
             raise ValueError("the model reads other files")
         spec = mujoco.MjSpec.from_string(text, assets=self.files)
+        spec.compiler.boundmass = spec.compiler.boundmass or self.bound
+        spec.compiler.boundinertia = spec.compiler.boundinertia or self.bound
         for asset in (*spec.meshes, *spec.hfields, *spec.textures):
             if asset.file and asset.file not in self.files:
                 raise ValueError(f"the model reads the file {asset.file!r}")

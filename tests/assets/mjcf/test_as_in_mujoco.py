@@ -118,6 +118,35 @@ def test_insects_keep_their_masses_and_crates_creep_as_in_plain_mujoco(tmp_path:
     assert compare(path, tmp_path).errors[2.0] < 1e-9
 
 
+#: bodies without mass or joint, as makers put them at the tips of hands; without damping, each last bit of the
+#: inertias shows after some seconds
+TRIPLE = """<mujoco model="triple"><option timestep="0.002"/><worldbody><body name="a" pos="0 0 2"><joint axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0.3 0 0.1" size="0.02"/><body name="eye" pos="0.1 0 0.3"/>
+<body name="b" pos="0.3 0 0.1"><joint axis="0 1 0.2"/><geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/>
+<body name="c" pos="0.3 0 0"><joint axis="0.1 1 0"/><geom type="capsule" fromto="0 0 0 0.25 0 0" size="0.02"/>
+<body name="tip" pos="0.3 0.1 0"><site name="tip"/></body></body></body></body></worldbody></mujoco>"""
+#: the mesh that would give its finger a mass does not exist
+LOST = """<mujoco><asset><mesh name="m" file="gone.stl"/></asset><worldbody><body name="palm"><geom size="0.1"/>
+<body name="finger" pos="0.2 0 0"><joint name="j" axis="0 1 0"/><geom type="mesh" mesh="m"/></body></body></worldbody>
+</mujoco>"""
+
+
+def test_bodies_without_mass_have_none(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(TRIPLE)
+    assert compare(path, tmp_path).errors[2.0] == 0.0
+
+
+def test_a_body_whose_mesh_is_missing_moves(tmp_path: Path) -> None:
+    (tmp_path / "model.xml").write_text(LOST)
+    (tmp_path / "scene.py").write_text(
+        f"from morse.builder import *\nrobot = Robot({str(tmp_path / 'model.xml')!r})\nenv = Environment('empty')\n"
+    )
+    with morse.load(tmp_path / "scene.py") as sim:
+        sim.step(10)
+        assert [bone.name for node in sim.scene.nodes() for bone in node.bones] == ["j"]
+
+
 def test_it_starts_in_a_keyframe(tmp_path: Path) -> None:
     path = tmp_path / "dog.xml"
     path.write_text(DOG % ("", KEYS))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -201,6 +201,10 @@ class ModelData:
     materials: dict[str, tuple[tuple[float, ...], SurfaceData]] = field(default_factory=dict)
 
 
+#: what the engine says of a body that moves and has no mass; mass and inertia that it accepts, kg and kg m^2
+_WITHOUT_MASS, _LEAST = "mass and inertia of moving bodies", 1e-14
+
+
 def compiled(source: Source) -> ModelData:
     """Compile a model.
 
@@ -212,7 +216,14 @@ def compiled(source: Source) -> ModelData:
         with warnings.catch_warnings():
             # warnings of the engine are for authors of MJCF
             warnings.simplefilter("ignore")
-            model = file.spec().compile()
+            try:
+                model = file.spec().compile()
+            except ValueError as error:
+                if _WITHOUT_MASS not in str(error):
+                    raise
+                # a mesh that gave a body its mass may be left out
+                file = replace(file, bound=_LEAST)
+                model = file.spec().compile()
     except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         reason = ", ".join(line for line in str(error).split("\n") if line)
         reason = re.sub(

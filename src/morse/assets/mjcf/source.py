@@ -249,9 +249,6 @@ class Source:
                 compiler.attrib.pop(name, None)
             # the links of the file and its visible shapes are kept separate
             compiler.attrib.update(fusestatic="false", discardvisual="false", balanceinertia="true")
-            for name in ("boundmass", "boundinertia"):
-                # what the engine accepts: also insects in grams and centimetres keep their inertia
-                compiler.attrib.setdefault(name, "1e-14")
 
     # -- meshes ----------------------------------------------------------------------------
 
