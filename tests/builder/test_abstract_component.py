@@ -23,6 +23,7 @@ from morse.builder import (
 )
 from morse.builder.abstractcomponent import timer
 from morse.mathutils import Euler, Vector
+from morse.scene import Node
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -163,6 +164,14 @@ def test_get_child() -> None:
     assert crate.get_child("PoseMesh") is not None
     assert crate.get_child("PoseMesh", recursive=False) is None
     assert crate.get_child("morsy_mesh", robot._bpy_object.children) == found
+
+
+def test_a_child_of_exactly_that_name_is_found_without_a_look_at_plain_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    # each sensor of a description looks for its link among all others
+    robot = Morsy()
+    name = robot._bpy_object.children[0].name
+    monkeypatch.setattr(Node, "plain_name", property(lambda _: pytest.fail("all names are compared")))
+    assert robot.get_child(name) is not None
 
 
 # --- properties ----------------------------------------------------------------------------------

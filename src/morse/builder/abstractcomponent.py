@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import logging
 from typing import TYPE_CHECKING, Any
 
@@ -252,15 +251,15 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             objects: objects to search instead of the children.
             recursive: whether to search the whole tree.
         """
-        pool = list(self._bpy_object.children if objects is None else objects)
+        nodes = [obj.node for obj in (self._bpy_object.children if objects is None else objects)]
         if recursive:
-            pool = [SceneObject(node) for obj in pool for node in obj.node.walk()]
-        exact = (obj for obj in pool if obj.node.name == name)
-        plain = (obj for obj in pool if obj.node.plain_name == name)
-        prefixed = sorted(
-            (obj for obj in pool if obj.node.plain_name.startswith(name)), key=lambda obj: len(obj.node.plain_name)
-        )
-        return next(itertools.chain(exact, plain, prefixed), None)
+            nodes = [node for top in nodes for node in top.walk()]
+        # one after the other: a robot of 1,000 sensors is searched 1,000 times
+        found = next((node for node in nodes if node.name == name), None)
+        found = found or next((node for node in nodes if node.plain_name == name), None)
+        prefixed = (node for node in nodes if node.plain_name.startswith(name))
+        found = found or min(prefixed, key=lambda node: len(node.plain_name), default=None)
+        return None if found is None else SceneObject(found)
 
     def _walk(self) -> Iterator[AbstractComponent]:
         """Return this component and all components below it."""
