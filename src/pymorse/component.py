@@ -143,7 +143,15 @@ class Component:
                 hint = "it is a sensor and sends data: use get(), last() or subscribe()"
             return AttributeError(f"{self.fqn} has no {name}: {hint}", name=name)
         # with a name, but without an object, Python adds no suggestion of its own
-        return AttributeError(f"{self.fqn} has no '{name}'{suggestion(name, self._names())}", name=name)
+        return AttributeError(f"{self.fqn} has no '{name}'{self._hint(name)}", name=name)
+
+    def _hint(self, name: str) -> str:
+        """What else there is, and how a component offers its services, if it offers none."""
+        there = suggestion(name, self._names())
+        is_complete = self._services or "did you mean" in there
+        return (
+            there if is_complete else f"{there}; for its services, add {self.name}.add_service('socket') to the scene"
+        )
 
     def _names(self) -> list[str]:
         streaming = (_READING if "OUT" in self._directions else ()) + (_WRITING if "IN" in self._directions else ())

@@ -183,6 +183,18 @@ def test_unknown_names_get_the_nearest(manager):
         manager.on_incoming_request("armm", "move", [])
 
 
+def test_a_component_whose_services_are_not_offered_is_no_unknown_name(manager):
+    class Scene:
+        def component(self, name):
+            return Arm() if name == "robot.arm" else None
+
+    manager.context = Scene()
+    with pytest.raises(MorseMethodNotFoundError, match=r"of 'robot.arm' are not .*; arm.add_service\(\) in the script"):
+        manager.on_incoming_request("robot.arm", "move", [1])
+    with pytest.raises(MorseMethodNotFoundError, match=r"there is no component 'robot.leg'"):
+        manager.on_incoming_request("robot.leg", "move", [1])
+
+
 class Typed(AbstractObject):
     def name(self):
         return "typed"

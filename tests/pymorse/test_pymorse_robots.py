@@ -102,3 +102,12 @@ def test_a_name_that_pymorse_uses_itself_is_reached_by_key(simu: Morse) -> None:
 def test_using_a_stream_the_wrong_way_says_which_is_right(simu: Morse, member: str, hint: str) -> None:
     with pytest.raises(AttributeError, match=hint):
         eval(member)
+
+
+def test_a_component_without_services_tells_how_it_gets_them(simu: Morse) -> None:
+    with pytest.raises(AttributeError, match=r"m.pose has no 'set_speed'.*add pose.add_service\('socket'\)"):
+        _ = simu.m.pose.set_speed
+    with pytest.raises(AttributeError, match=r"has no 'subscrib'; did you mean 'subscribe'\?$"):
+        _ = simu.m.pose.subscrib
+    with pytest.raises(AttributeError, match=r"robot.motion has no 'speed'; there is: [^;]*$"):
+        _ = simu.robot.motion.speed

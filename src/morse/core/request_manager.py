@@ -80,6 +80,9 @@ class Journaling(Protocol):
     def journal(self) -> Journal:
         """The journal of input from outside."""
 
+    def component(self, name: str) -> object | None:
+        """The component or robot of that name; None if there is none."""
+
 
 class RequestManager(ABC):
     """Offers services over one middleware.
@@ -242,6 +245,9 @@ class RequestManager(ABC):
         text = f"The request {short(service)} has not been registered in {self.title}"
         if component in services:
             return text + nearest(service, services[component])
+        if self.context is not None and self.context.component(component) is not None:
+            method = f"{component.rpartition('.')[2]}.add_service()"
+            return f"{text}: services of {quoted(component)} are not offered here; {method} in the script offers them"
         return f"{text}: there is no component {quoted(component)}{nearest(component, sorted(services))}"
 
     #: name of this manager in messages to clients
