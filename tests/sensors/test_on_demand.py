@@ -103,6 +103,22 @@ def test_what_nobody_reads_is_neither_cast_nor_rendered(scene: Path, costs: Cost
         assert costs.all == (0, 0)
 
 
+def test_who_calls_the_service_in_each_tick_gets_images_at_the_rate_that_the_budget_counts(
+    tmp_path: Path, costs: Costs
+) -> None:
+    with morse.load(write(tmp_path, "sdf")) as sim:
+        times = set()
+        for _ in range(30):
+            sim.step(1)
+            times.add(sim.call("robot.eye", "get_local_data").result()["timestamp"])
+        # 10 Hz in half a second; it was one in each of 30 ticks
+        assert 5 <= costs.drawn <= 7
+        assert len(times) == costs.drawn
+        sim.restart()
+        sim.step(1)
+        assert sim.call("robot.eye", "get_local_data").result()["timestamp"] == pytest.approx(sim.clock.time)
+
+
 def test_in_batches_as_well(scene: Path, costs: Costs) -> None:
     with Batch(scene, 2) as batch:
         batch.step(10)

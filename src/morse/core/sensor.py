@@ -19,7 +19,7 @@ from morse.core.object import Object
 from morse.core.realism import measured
 from morse.core.reports.quoting import closest
 from morse.core.requests import serve
-from morse.core.rows.lazy_data import LazyData, present_data
+from morse.core.rows.lazy_data import LazyData, known_data, present_data
 from morse.core.rows.marks import is_on_read, is_overridden, waiting
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
@@ -97,6 +97,10 @@ class Sensor(Object):
     @service(changes=False)
     def get_local_data(self) -> Fields:
         """The present data of the sensor."""
+        # clients may ask in each tick: of a sensor on demand, that would be beyond the budget of pixels
+        entry = self._in_rows
+        if isinstance(entry, OnDemand) and entry.is_fresh():
+            return known_data(self)
         return present_data(self)
 
     def watched_space(self) -> WatchedSpace | None:
@@ -214,6 +218,10 @@ class Sensor(Object):
         self.local_data[field] = before if noise.lost()[0] else value
 
 
+#: Hz; a slower sensor counts as this in the budget of pixels (`morse.core.clients.budgets`)
+_LEAST_RATE = 10.0
+
+
 class OnDemand:
     """Holds the data of a sensor that measures while somebody reads it.
 
@@ -249,6 +257,13 @@ class OnDemand:
         if sensor._in_rows is self:
             sensor._in_rows = None
             vars(sensor).setdefault("local_data", self._data)
+
+    def is_fresh(self) -> bool:
+        """Whether the last measurement for a reader is younger than the interval that the budget of pixels counts."""
+        sensor = self._sensor
+        clock = sensor.clock
+        passed = clock.tick - self._tick
+        return self._tick >= 0 and 0 <= passed < clock.frequency / max(sensor.frequency, _LEAST_RATE) - 1e-9
 
     def kept_of(self, _member: Component) -> Fields:
         """Return the data of the last measurement."""
