@@ -230,16 +230,26 @@ def _driven(sim: Any) -> list[float]:
     motion = robot.motion
     sim.step(60)
     start = robot.spot.get()
-    motion.publish({"v": 0.3, "w": 0.0})
+    _command(motion, 0.3, 0.0)
     sim.step(240)
     end = robot.spot.get()
-    motion.publish({"v": 0.0, "w": 0.0})
+    _command(motion, 0.0, 0.0)
     sim.step(60)
     yaw = robot.spot.get()["yaw"]
-    motion.publish({"v": 0.0, "w": 0.5})
+    _command(motion, 0.0, 0.5)
     sim.step(120)
     turned = math.remainder(robot.spot.get()["yaw"] - yaw, math.tau)
     return [round(math.hypot(end["x"] - start["x"], end["y"] - start["y"]), 3), round(turned, 3)]
+
+
+def _command(motion: Any, forward: float, turn: float) -> None:
+    """Command a drive with wheels, or one that also moves sideways."""
+    try:
+        motion.publish({"v": forward, "w": turn})
+    except ValueError as error:
+        if "no field 'v'" not in str(error):
+            raise
+        motion.publish({"x": forward, "y": 0.0, "w": turn})
 
 
 def _world(path: Path) -> Row:

@@ -51,6 +51,17 @@ env = Environment("indoors-1/boxes")
     assert "'Ground'" in text
 
 
+def test_robots_of_mjcf_files_part_as_in_mujoco_and_this_is_said(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Their contacts are those of the file; only others are soft until they have parted."""
+    (tmp_path / "ball.xml").write_text(
+        '<mujoco><worldbody><body name="ball" pos="0 0 0.05"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    (text,) = warnings_of(tmp_path, caplog, f"robot = Robot({str(tmp_path / 'ball.xml')!r})\nEnvironment('empty')\n")
+    assert "'Ground' and 'robot' by 0.05 m; those of MJCF files part as fast as in MuJoCo" in text
+
+
 @pytest.mark.parametrize("robot", ["ATRV", "Morsy", "B21", "Pioneer3DX", "SegwayRMP400", "PatrolBot"])
 def test_robots_at_their_own_place_overlap_with_nothing(
     tmp_path: Path, caplog: pytest.LogCaptureFixture, robot: str

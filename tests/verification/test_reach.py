@@ -73,6 +73,15 @@ def test_what_cannot_stand_or_drive_is_not_judged_and_a_failure_is_one(reach, tm
     assert reach.judged(two) == {"sound": True, "loads": False, "same": None, "stands": None, "drives": None}
 
 
+def test_a_robot_that_moves_in_all_directions_drives(reach, tmp_path) -> None:
+    (tmp_path / "plate.sdf").write_text(
+        '<sdf version="1.7"><model name="plate"><link name="l"><pose>0 0 0.1 0 0 0</pose><inertial><mass>10</mass>'
+        '</inertial><collision name="c"><geometry><box><size>0.4 0.4 0.2</size></box></geometry></collision></link>'
+        '<plugin name="move" filename="libgazebo_ros_planar_move.so"/></model></sdf>'
+    )
+    assert reach.measured("sdf", tmp_path / "plate.sdf")["drives"] == pytest.approx([1.2, 1.0], abs=0.03)
+
+
 def test_without_folders_the_command_says_how_it_is_used(reach, capsys) -> None:
     assert reach.main([]) == 2
     assert "python -m tools reach FOLDER" in capsys.readouterr().err

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.physics.model.file_models import model_of
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ def overlaps(state: EngineState) -> tuple[tuple[str, SourceLine | None], str]:
     """
     serious, others = dict[tuple[str, str], float](), dict[tuple[str, str], float]()
     lines: dict[tuple[str, str], SourceLine | None] = {}
+    of_files = False
     contact = state.data.contact
     for (a, b), distance in zip(contact.geom.tolist(), contact.dist.tolist(), strict=True):
         frames = _frame(state, a), _frame(state, b)
@@ -43,6 +45,7 @@ def overlaps(state: EngineState) -> tuple[tuple[str, SourceLine | None], str]:
         if distance <= -_DEEP and pair[0] != pair[1]:
             is_serious = any(frame.robot for frame in frames) or all(map(_moves, frames))
             depths = serious if is_serious else others
+            of_files = of_files or (is_serious and any(model_of(frame) is not None for frame in frames))
             depths[pair] = max(depths.get(pair, 0.0), -distance)
             # the object that was created last is the one to move
             lines[pair] = max(
@@ -50,7 +53,8 @@ def overlaps(state: EngineState) -> tuple[tuple[str, SourceLine | None], str]:
             )
     deepest = max(serious, key=serious.__getitem__, default=None)
     line = None if deepest is None else lines[deepest]
-    return (_message(serious, "; move one object of each pair"), line), _message(others, "")
+    speed = "; those of MJCF files part as fast as in MuJoCo" if of_files else ""
+    return (_message(serious, f"{speed}; move one object of each pair"), line), _message(others, "")
 
 
 def _message(depths: dict[tuple[str, str], float], advice: str) -> str:
