@@ -68,8 +68,9 @@ def test_a_script_runs_and_each_old_form_is_named(load: Load, caplog: pytest.Log
     ]
 
 
-def test_check_rewrites_it(load: Load, tmp_path: Path) -> None:
-    (tmp_path / "scene.py").write_text(SCRIPT)
+@pytest.mark.parametrize("module", ["morse.builder", "morse.builder.morsebuilder"])
+def test_check_rewrites_it(load: Load, tmp_path: Path, module: str) -> None:
+    (tmp_path / "scene.py").write_text(SCRIPT.replace("from morse.builder import *", f"from {module} import *"))
     done = subprocess.run(
         [sys.executable, "-m", "morse", "check", "scene.py", "--fix"],
         cwd=tmp_path,

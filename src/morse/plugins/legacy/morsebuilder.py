@@ -1,36 +1,7 @@
-"""The kinds of components, under the module name that scripts of MORSE 1.4 import them from."""
+"""All names of `morse.builder`, under the module name that scripts of MORSE 1.0 to 1.4 import them from."""
 
-import logging
-import math
-import os
-import sys
+import morse.builder
+from morse.builder import *  # noqa: F403 - the names are those of the list below
+from morse.builder.abstractcomponent import timer
 
-from morse.builder import bpymorse
-from morse.builder.abstractcomponent import AbstractComponent, Configuration, timer
-from morse.builder.components.component import Component
-from morse.builder.components.passive import PassiveObject, Zone
-from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
-from morse.builder.environment import Environment
-from morse.builder.robots import FakeRobot
-from morse.scene import TimeStrategies
-
-# scripts of 1.4 use the modules without importing them
-__all__ = [
-    "AbstractComponent",
-    "Component",
-    "Configuration",
-    "Environment",
-    "FakeRobot",
-    "GroundRobot",
-    "PassiveObject",
-    "Robot",
-    "TimeStrategies",
-    "WheeledRobot",
-    "Zone",
-    "bpymorse",
-    "logging",
-    "math",
-    "os",
-    "sys",
-    "timer",
-]
+__all__ = [*morse.builder.__all__, "timer"]
