@@ -295,8 +295,9 @@ def _floor(world: Any, x: float, y: float) -> float | None:
         point[2] -= distance
         shape, height = int(geom[0]), float(point[2])
         point[2] -= 1e-4
-        if not world.model.geom_contype[shape] and not world.model.geom_conaffinity[shape]:
-            continue
+        collides = world.model.geom_contype[shape] or world.model.geom_conaffinity[shape]
+        if not collides or world.model.body_weldid[world.model.geom_bodyid[shape]]:
+            continue  # what moves is no floor
         # the first surface of a shape is its top, the next one its bottom
         if shape not in seen and above - height >= _ROOM:
             floor = height
