@@ -472,3 +472,32 @@ def test_a_script_beside_a_project_is_told_where_its_classes_are_known(tmp_path)
     with pytest.raises(ScriptError) as error:
         load_scene(RunOptions(script=str(script)))
     assert f"the project {tmp_path / 'rover_sim'}" in error.value.report()
+
+
+@pytest.mark.parametrize(
+    "creation",
+    [
+        "ATRV('a.b')",
+        "Morsy(3)",
+        "Human(name='a.b')",
+        "BasePR2('a.b')",
+        "Robot('nope')",
+        "Human('nope')",
+        "Pose('a.b')",
+        "Kinect('a.b')",
+        "KukaLWR('a.b')",
+        "PTU('a.b')",
+        "VLP16_180('a.b')",
+        "Hokuyo('a.b')",
+        "CompoundSensor([3])",
+        "Cube('a.b')",
+        "Armature('nope')",
+        "PassiveObject('props/nope')",
+    ],
+)
+def test_nothing_stays_of_a_component_that_could_not_be_created(load: Load, creation: str) -> None:
+    first = "robot = ATRV()\nrobot.append(Pose())\n"
+    attempt = f"try:\n    {creation}\nexcept Exception:\n    pass\nelse:\n    assert False\n"
+    scenes = [load(HEAD + first + middle + "other = ATRV()\n" + END) for middle in (attempt, "")]
+    names = [[re.sub(r"\.\d+$", "", node.name) for root in s.roots for node in root.walk()] for s in scenes]
+    assert names[0] == names[1]

@@ -24,12 +24,12 @@ class DiffDriveTest(MorseTestCase):
         motion = simu.robot.motion
         for share in (0.25, 0.5, 0.75):
             motion.publish({"v": share * v, "w": share * w})
-            simu.sleep(0.0125 * seconds)
+            simu.sleep(seconds / 120.0)
         motion.publish({"v": v, "w": w})
         simu.sleep(seconds)
         for share in (0.75, 0.5, 0.25):
             motion.publish({"v": share * v, "w": share * w})
-            simu.sleep(0.0125 * seconds)
+            simu.sleep(seconds / 120.0)
         motion.publish({"v": 0.0, "w": 0.0})
 
     def test_circle(self):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
+from abc import ABCMeta
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
@@ -84,7 +86,29 @@ logger = logging.getLogger(__name__)
 HIGHEST_FREQUENCY = 10_000.0
 
 
-class AbstractComponent(Placement, Interfaces, Models, Part):
+class _Whole(ABCMeta):
+    """Creates components; nothing stays in the scene of one whose constructor fails, because a script may continue."""
+
+    if not TYPE_CHECKING:  # type checkers read the constructors
+
+        def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+            before = workspace.current().mark()
+            try:
+                return super().__call__(*args, **kwargs)
+            except BaseException:
+                workspace.current().return_to(before)
+                raise
+
+        @property
+        def __signature__(cls) -> inspect.Signature:
+            """For `help` and `inspect`, which would show that of `__call__`."""
+            of_constructor = inspect.signature(cls.__init__)
+            return of_constructor.replace(
+                parameters=[*of_constructor.parameters.values()][1:], return_annotation=inspect.Signature.empty
+            )
+
+
+class AbstractComponent(Placement, Interfaces, Models, Part, metaclass=_Whole):
     """A robot, a sensor, an actuator or another object of the scene.
 
     Attributes:

@@ -162,6 +162,19 @@ class Workspace:
         if self.selected is node:
             self.selected = None
 
+    def mark(self) -> tuple[int, Node | None]:
+        """What `return_to` needs to know of the scene as it is."""
+        return len(self.components), self.roots[-1] if self.roots else None
+
+    def return_to(self, mark: tuple[int, Node | None]) -> None:
+        """Remove the components, and the nodes without an older parent, that were created since `mark`."""
+        count, last = mark
+        del self.components[count:]
+        if last is None or last in self.roots:
+            for root in self.roots[0 if last is None else self.roots.index(last) + 1 :]:
+                for node in reversed(list(root.walk())):
+                    self.delete(node)
+
     def duplicate(self, node: Node) -> Node:
         """A copy of a node in the same place, without the nodes below it."""
         twin = copy.copy(node)
