@@ -172,7 +172,12 @@ class DatastreamManager(Observer):
         stream.manager, stream.direction = self, declaration.direction
         self.streams.setdefault(component.name(), []).append(stream)
         self.opened(stream)
-        stream.initialize()
+        try:
+            stream.initialize()
+        except BaseException:
+            # what has not begun is not ended
+            self.streams[component.name()].remove(stream)
+            raise
         functions = component.input_functions if declaration.direction == "IN" else component.output_functions
         functions.append(self._called(stream, declaration))
 

@@ -304,12 +304,15 @@ def test_a_reader_that_stops_reading_loses_messages_and_holds_nobody_up(
     step_until(sim, lambda: not port.port.outputs)
 
 
-def test_two_components_cannot_have_one_port(load: Callable[..., Any], names: Names) -> None:
+def test_two_components_cannot_have_one_port(
+    load: Callable[..., Any], names: Names, caplog: pytest.LogCaptureFixture
+) -> None:
     wrong = "a = Pose(); a.add_stream('yarp', port='/lab/x'); robot.append(a)\n"
     with pytest.raises(MorseError, match=r"the port /lab/x is that of robot\.a; set port='\.\.\.' for one of them"):
         load(names.port, wrong + wrong.replace("a =", "b =").replace("a.", "b.").replace("(a)", "(b)"))
     with pytest.raises(MorseError, match="the port is 'lab', expected a name such as '/lab/pose'"):
         load(names.port, "a = Pose(); a.add_stream('yarp', port='lab'); robot.append(a)\n")
+    assert "AttributeError" not in caplog.text, "a stream that has not begun is ended"
 
 
 def test_json_texts_are_carried_both_ways(load: Callable[..., Any], names: Names, reader: Reader) -> None:
