@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, cast
 
+import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul
@@ -306,6 +307,17 @@ class Gliding:
         self.speeds[index], self.margins[index] = -1.0, 0.0
         self._stand(glide.slot)
         self._start_anew(glide.slot)
+        self._turn_as_engine(index, glide.slot)
+
+    def _turn_as_engine(self, index: int, slot: Slot) -> None:
+        """Set the rotation of a robot as the engine computes it, whose last bits may be others than those of the kernel.
+
+        A saved state does not tell who has computed it: of robots that do not glide, it is the engine.
+        """
+        quaternion, rotation = self._state.data.qpos[slot.qpos + 3 : slot.qpos + 7].copy(), np.empty(9)
+        mujoco.mju_normalize4(quaternion)
+        mujoco.mju_quat2Mat(rotation, quaternion)
+        self._state.rotations[index] = tuple(rotation.tolist())
 
     def _stand(self, slot: Slot) -> None:
         model = self._state.model

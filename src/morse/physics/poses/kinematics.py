@@ -41,11 +41,15 @@ def sync(state: EngineState) -> None:
     refresh(state)
 
 
-def refresh(state: EngineState) -> None:
-    """Copy the poses of the moving bodies from the engine."""
+def refresh(state: EngineState, *, gliders: bool = True) -> None:
+    """Copy the poses of the moving bodies from the engine.
+
+    Args:
+        gliders: whether the robots that glide keep the poses of the kernel; False while it is not known which ones do.
+    """
     state.positions.take(state.engine_positions, state.engine_rows)
     state.rotations.take(state.engine_rotations, state.engine_rows)
-    if state.write_gliders is not None:
+    if gliders and state.write_gliders is not None:
         state.write_gliders(state.positions, state.rotations)
     state.touched.clear()
     state.stamp += 1

@@ -107,7 +107,7 @@ class Saving:
             if obj.visible != visible:
                 world.appearance_changed(obj)
         engine_values.set_state(world, state.engine)
-        kinematics.refresh(world)
+        kinematics.refresh(world, gliders=False)
         world.loose.clear()
         world.loose.update(slots_by_name[name] for name in state.loose)
         if any(world.slots[index].body == 0 for index in world.loose):
