@@ -310,7 +310,7 @@ class Gliding:
         self._turn_as_engine(index, glide.slot)
 
     def _turn_as_engine(self, index: int, slot: Slot) -> None:
-        """Set the rotation of a robot as the engine computes it, whose last bits may be others than those of the kernel.
+        """Set the rotation of a robot as the engine computes it; its last bits may be others than those of the kernel.
 
         A saved state does not tell who has computed it: of robots that do not glide, it is the engine.
         """
