@@ -6,6 +6,7 @@ import calendar
 import errno
 import logging
 import os
+import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -79,7 +80,7 @@ class Receiver:
         """Send sentences to all clients that keep up; a full serial line drops them."""
         if self._server.connected:
             self._network.post(self._write, data)
-        if self._line >= 0 and not self._is_written(data) and self._far >= 0:
+        if self._line >= 0 and not self._is_written(data) and self._far >= 0 and sys.platform != "win32":
             # a pseudo-terminal that nobody reads: who opens it later gets no positions of long ago
             import termios
 
