@@ -153,7 +153,7 @@ def test_a_file_that_is_read_for_ever_is_left_at_the_end(
         begun.set()
         over.wait(MINUTE)
 
-    monkeypatch.setattr(watch.models, "prepare", prepare)
+    monkeypatch.setattr(watch, "prepare", prepare)
     monkeypatch.setattr(watch, "_FAREWELL", 0.05)
     scene = SimpleNamespace(project=None, models=[])
     simulation: Any = SimpleNamespace(options=SimpleNamespace(script="scene.py"), scene=scene, reread=None)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from worlds import box, ground, node, rigid, robot, world
 
-from morse.physics.gliding import glide, passage
+from morse.physics.gliding import passage, stances
 
 ROBOTS = 3
 
@@ -50,7 +50,7 @@ def journey(seed, ticks=600):
 def test_the_same_bits_as_with_a_look_in_every_tick(monkeypatch, looks, seed):
     ahead = journey(seed)
     assert looks[0] > 0
-    for module in (glide, passage):
+    for module in (passage, stances):
         monkeypatch.setattr(module, "FORESIGHT", 1)
     assert np.array_equal(ahead, journey(seed))
 

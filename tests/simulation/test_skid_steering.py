@@ -52,10 +52,11 @@ def turned(folder: Path, half_base: float, separation: float = 0.0) -> float:
 def test_friction_is_in_balance(tmp_path: Path, half_base: float):
     # Coulomb friction f slip / |slip| at each wheel, with the slip (w T / 2 - r W, w b): no moment about the centre
     ratio = 1.0 / (1.0 + (2.0 * half_base / TRACK) ** 2)
-    assert turned(tmp_path, half_base) / 0.5 == pytest.approx(ratio, abs=0.05)
+    assert turned(tmp_path, half_base, TRACK) / 0.5 == pytest.approx(ratio, abs=0.05)
 
 
-def test_the_separation_of_the_model_gives_the_commanded_rate(tmp_path: Path):
-    half_base = 0.2
+@pytest.mark.parametrize("half_base", [0.05, 0.15, 0.2, 0.25])
+def test_the_separation_of_the_model_gives_the_commanded_rate(tmp_path: Path, half_base: float):
+    assert turned(tmp_path, half_base) == pytest.approx(0.5, rel=0.05)
     separation = TRACK * (1.0 + (2.0 * half_base / TRACK) ** 2)
     assert turned(tmp_path, half_base, separation) == pytest.approx(0.5, abs=0.04)

@@ -155,7 +155,10 @@ def test_a_restored_state_continues_softly(tmp_path: Path) -> None:
 
 
 def test_overlaps_are_named_with_their_depths(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.INFO), morse.load(boxes(tmp_path, one=(2.0, 0.0, 0.2), other=(2.3, 0.0, 0.15))):
+    with (
+        caplog.at_level(logging.INFO, "morse.main"),
+        morse.load(boxes(tmp_path, one=(2.0, 0.0, 0.2), other=(2.3, 0.0, 0.15))),
+    ):
         pass
     text = "\n".join(record.getMessage() for record in caplog.records if "overlap at the start" in record.getMessage())
     assert text.count("'other'") == 2

@@ -64,7 +64,7 @@ def test_the_script_builds_the_scene_and_sets_the_time_mode(method) -> None:
     text = script_of_method(method, "FixedSimulationStep")
     assert text.startswith(
         "from morse.builder import *\nfrom morse.builder.actuators import *\nfrom morse.builder.sensors import *\n"
-        "from morse.builder.blenderobjects import *\n\nclass MyEnv():\n"
+        "\nclass MyEnv():\n"
     )
     body = "\n".join(line for line in text.splitlines() if not line.startswith("from morse"))
     made.clear()

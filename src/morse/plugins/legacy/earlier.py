@@ -13,7 +13,6 @@ from morse.builder.workspace import notice
 from morse.core.exceptions import MorseBuilderNoComponentError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from types import ModuleType
 
     from morse.builder.components.component import Component
@@ -42,22 +41,35 @@ def _class_of(file: str, modules: tuple[ModuleType, ...], what: str) -> str:
     return found
 
 
-def _maker(word: str, modules: tuple[ModuleType, ...]) -> Callable[..., Component]:
-    def make(filename: str) -> Component:
-        name = _class_of(filename, modules, f"{word}(name)")
+class _Maker:
+    """A component by the name of its file: ``Sensor('...')``.
+
+    Args:
+        word: its name in scripts.
+        modules: modules of the builder with the classes.
+    """
+
+    def __init__(self, word: str, modules: tuple[ModuleType, ...]) -> None:
+        self.__name__ = self.__qualname__ = self._word = word
+        self._modules = modules
+
+    def __call__(self, filename: str) -> Component:
+        """Return a new component."""
+        word = self._word
+        name = _class_of(filename, self._modules, f"{word}(name)")
         old = "|".join(f"{word}({quote}{filename}{quote})" for quote in "'\"")
         notice(f"{word}('{filename}') is a form of MORSE 1.0, write {name}()", old, f"{name}()")
         component: Component = getattr(morse.builder, name)()
         return component
 
-    make.__name__ = make.__qualname__ = word
-    make.__doc__ = f"A component by the name of its file: ``{word}('...')``."
-    return make
+    def __mro_entries__(self, bases: tuple[object, ...]) -> tuple[type, ...]:
+        """Refuse to be a base class: the file of a component lacks the import of the base class."""
+        raise NameError(f"name '{self._word}' is not defined: from morse.core.{self._word.lower()} import {self._word}")
 
 
-Actuator = _maker("Actuator", (actuators,))
-Arm = _maker("Arm", (actuators,))
-Sensor = _maker("Sensor", (sensors,))
+Actuator = _Maker("Actuator", (actuators,))
+Arm = _Maker("Arm", (actuators,))
+Sensor = _Maker("Sensor", (sensors,))
 
 
 def call(owner: object, method: str, arguments: dict[str, Any]) -> dict[str, Any]:
