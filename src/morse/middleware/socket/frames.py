@@ -322,8 +322,9 @@ class FrameClient(LineClient):
             self._latest.add(channel)
         else:
             self.every |= {channel}
-        self.notify(notice_frame({"subscribed": name, "stream": channel.number}))
+        # first: who reads the notice may expect the message of the tick that follows
         channel.add(self, latest=latest)
+        self.notify(notice_frame({"subscribed": name, "stream": channel.number}))
 
     def unsubscribe(self, channel: FrameChannel) -> bool:
         """End the subscription of a stream; True if there was one."""
