@@ -58,7 +58,7 @@ def write(project: Path, files: dict[str, str]) -> None:
 
 
 def test_there_is_a_chapter_for_each_kind():
-    kinds = {"sensor", "actuator", "robot", "modifier", "model-format", "service", "check"}
+    kinds = {"sensor", "actuator", "robot", "modifier", "model-format", "service", "check", "command"}
     assert {f"new-{kind}" for kind in kinds} <= set(CHAPTERS)
 
 

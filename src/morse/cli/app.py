@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import shutil
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 import typer.core
 import typer.main
 
-from morse.cli.messages import CommandError, complain, nearest
+from morse.cli.messages import CommandError, complain, nearest, sentence
+from morse.core.classes.plugins import entry_points
+from morse.core.exceptions import MorseError
+from morse.core.reports.faults import ENDINGS, describe
 from morse.core.reports.printing import echo
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 
 # What is wrong with the options and arguments that the parser rejects.
@@ -84,6 +90,8 @@ def _given(words: Sequence[str], names: Sequence[str]) -> str | None:
     return None
 
 
+#: entry points of packages that add commands: a function, whose annotations declare arguments and options as in Typer
+_GROUP = "morse.commands"
 #: the module of each command, and the function there if it is not called `command`
 _MODULES = {
     "create": "morse.cli.environments:create",
@@ -102,6 +110,59 @@ _MODULES = {
     "sweep": "morse.cli.sweep",
     "edit": "morse.cli.edit",
 }
+
+
+def _names() -> list[str]:
+    """The names of all commands: those of MORSE, then those of plug-ins and of the project in this folder, sorted."""
+    if Path("pyproject.toml").is_file() and (project := str(Path("src").absolute())) not in sys.path:
+        sys.path.append(project)
+    return [*_MODULES, *dict.fromkeys(point.name for point in entry_points(_GROUP) if point.name not in _MODULES)]
+
+
+def _function(name: str) -> tuple[Callable[..., Any], dict[str, Any] | None]:
+    """The function of a command, and settings of its parser.
+
+    That of a plug-in that cannot be loaded says so when it is called: the help lists it, and the other commands.
+    """
+    if name in _MODULES:
+        place, _, function = _MODULES[name].partition(":")
+        module = importlib.import_module(place)
+        return getattr(module, function or "command"), getattr(module, "CONTEXT_SETTINGS", None)
+    point = next(point for point in entry_points(_GROUP) if point.name == name)
+    try:
+        function_of_package = point.load()
+        if not callable(function_of_package):
+            raise TypeError(f"it is {function_of_package!r:.80}, expected a function")
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # the package is third-party code
+        return _broken(f"The command '{name}' ({point.value}) cannot be loaded: {describe(error)}"), None
+    return _contained(name, function_of_package), None
+
+
+def _contained(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function of a plug-in, whose errors are messages."""
+
+    @functools.wraps(function)
+    def call(*arguments: Any, **options: Any) -> Any:
+        try:
+            return function(*arguments, **options)
+        except MorseError as error:
+            raise CommandError(sentence(error)) from None
+        except (CommandError, typer.TyperException, typer.Abort, typer.Exit, OSError, *ENDINGS):
+            raise
+        except BaseException as error:  # the package is third-party code
+            raise CommandError(f"The command '{name}' has failed: {describe(error)}") from None
+
+    return call
+
+
+def _broken(reason: str) -> Callable[..., Any]:
+    def call(words: Annotated[list[str] | None, typer.Argument(hidden=True)] = None) -> None:
+        raise CommandError(reason)
+
+    call.__doc__ = f"(broken) {reason}"
+    return call
 
 
 #: the tables of Rich cut the names of options on narrow terminals; plain help wraps its lines
@@ -156,14 +217,12 @@ class _Commands(typer.core.TyperGroup):
             raise CommandError("Interrupted.", status=130) from None
 
     def list_commands(self, ctx: object) -> list[str]:
-        return list(_MODULES)
+        return _names()
 
     def get_command(self, ctx: object, cmd_name: str) -> Any:
-        if cmd_name not in _MODULES:
+        if cmd_name not in _MODULES and cmd_name not in _names():
             return None
-        place, _, function = _MODULES[cmd_name].partition(":")
-        module = importlib.import_module(place)
-        command = getattr(module, function or "command")
+        command, settings = _function(cmd_name)
         text = _without_line_breaks(command.__doc__ or "")
         application = typer.Typer(add_completion=False, rich_markup_mode=_MARKUP)
         application.command(
@@ -171,17 +230,17 @@ class _Commands(typer.core.TyperGroup):
             cls=_Command,
             help=text,
             short_help=text.partition("\n\n")[0],  # the whole sentence, which the parser would cut
-            context_settings=getattr(module, "CONTEXT_SETTINGS", None),
+            context_settings=settings,
         )(command)
         return typer.main.get_command(application)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        if args and args[0] not in _MODULES and not args[0].startswith("-"):
+        if args and args[0] not in _MODULES and not args[0].startswith("-") and args[0] not in (names := _names()):
             if args[0] == "help":
                 raise CommandError("Help: `morse -h`, and `morse COMMAND -h`.", status=2)
-            names = ", ".join(_MODULES)
             raise CommandError(
-                f"There is no command '{args[0]}'.{nearest(args[0], _MODULES)} The commands are: {names}.", status=2
+                f"There is no command '{args[0]}'.{nearest(args[0], names)} The commands are: {', '.join(names)}.",
+                status=2,
             )
         return super().resolve_command(ctx, args)
 
@@ -250,8 +309,9 @@ def execute(arguments: Sequence[str]) -> int:
         # options and arguments that the parser rejects
         name = next((word for word in arguments if not word.startswith("-")), "")
         group: Any = typer.main.get_command(app)
-        parser = group.get_command(None, name) if name in _MODULES else group
-        line = f"morse {name} -h" if name in _MODULES else "morse -h"
+        is_command = name in _MODULES or name in _names()
+        parser = group.get_command(None, name) if is_command else group
+        line = f"morse {name} -h" if is_command else "morse -h"
         complain(f"{explain(error, arguments, parser)} (`{line}` lists all options.)")
         return error.exit_code
     except (typer.Abort, KeyboardInterrupt):

@@ -28,6 +28,7 @@ _GROUPS = {
     "morse.assets": "models",
     "morse.services": "services",
     "morse.checks": "check of scenes",
+    "morse.commands": "command",
 }
 
 

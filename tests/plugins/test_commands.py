@@ -1,0 +1,151 @@
+"""Commands of packages by entry points of `morse.commands`: what is broken is named, and the other commands work."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import morse
+
+SOURCES = str(Path(morse.__file__).parents[1])
+
+LAB = '''
+import sys
+from typing import Annotated
+
+import typer
+
+from morse.core.exceptions import MorseError
+
+no_function = 3
+
+
+def greet(
+    who: Annotated[str, typer.Argument(help="Who is greeted.")],
+    times: Annotated[int, typer.Option("--times", min=1, help="How often.")] = 1,
+) -> int:
+    """Greet a robot."""
+    print(" ".join([f"Hello {who}!"] * times))
+    return 7
+
+
+def refuse() -> None:
+    """Refuse."""
+    raise MorseError("the robot is asleep")
+
+
+def crash() -> None:
+    """Crash."""
+    return 1 / 0
+
+
+def leave() -> None:
+    """Leave with a status."""
+    sys.exit(5)
+
+
+def deep() -> None:
+    """Call itself."""
+    deep()
+'''
+
+ENTRIES = {
+    "greet": "lab:greet",
+    "refuse": "lab:refuse",
+    "crash": "lab:crash",
+    "leave": "lab:leave",
+    "deep": "lab:deep",
+    "number": "lab:no_function",
+    "absent": "lab:there_is_none",
+    "nowhere": "no_such_module:command",
+    "ends": "ends:command",
+    "run": "lab:crash",
+}
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lab")
+    (folder / "src").mkdir()
+    (folder / "src/lab.py").write_text(LAB)
+    (folder / "src/ends.py").write_text("import sys\nsys.exit(0)\n")
+    lines = "\n".join(f'{name} = "{place}"' for name, place in ENTRIES.items())
+    (folder / "pyproject.toml").write_text(
+        f'[project]\nname = "lab"\nversion = "1"\n\n[project.entry-points."morse.commands"]\n{lines}\n'
+    )
+    return folder
+
+
+@pytest.fixture
+def command(project, tmp_path):
+    def run(*words):
+        home = {"HOME": str(tmp_path), "USERPROFILE": str(tmp_path), "PYTHONPATH": SOURCES}
+        return subprocess.run(
+            [sys.executable, "-m", "morse", *words],
+            cwd=project,
+            env={**os.environ, **home},
+            capture_output=True,
+            encoding="utf-8",
+            timeout=120,
+            check=False,
+        )
+
+    return run
+
+
+def test_a_command_takes_its_arguments_and_gives_its_status(command):
+    result = command("greet", "Morsy", "--times", "2")
+    assert (result.returncode, result.stdout) == (7, "Hello Morsy! Hello Morsy!\n")
+
+
+def test_its_options_are_checked_and_shown_as_those_of_morse(command):
+    wrong = command("greet", "Morsy", "--times", "0")
+    assert wrong.returncode == 2
+    assert "--times takes an integer of at least 1, not '0'" in wrong.stderr
+    assert "Who is greeted." in command("greet", "-h").stdout
+
+
+def test_the_help_lists_commands_of_packages_and_says_which_are_broken(command):
+    result = command("-h")
+    assert result.returncode == 0
+    assert "Greet a robot." in result.stdout
+    assert result.stdout.count("(broken)") == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("number", "expected a function"),
+        ("absent", "there_is_none"),
+        ("nowhere", "no_such_module"),
+        ("ends", "cannot be loaded"),
+        ("refuse", "* The robot is asleep."),
+        ("crash", 'lab.py", line 28, in crash'),
+        ("deep", "RecursionError"),
+    ],
+)
+def test_a_faulty_command_ends_with_a_message_and_status_1(command, name, said):
+    result = command(name)
+    assert result.returncode == 1
+    assert said.lower() in result.stderr.lower()
+    assert "Traceback" not in result.stderr
+
+
+def test_a_command_may_end_with_a_status_of_its_own(command):
+    assert command("leave").returncode == 5
+
+
+def test_a_package_does_not_replace_a_command_of_morse(command):
+    result = command("run", "-h")
+    assert result.returncode == 0
+    assert "Crash." not in result.stdout
+
+
+def test_a_mistyped_name_gets_the_nearest_command_of_a_package(command):
+    result = command("gret")
+    assert result.returncode == 2
+    assert "Did you mean 'greet'?" in result.stderr
