@@ -10,11 +10,12 @@ import socket
 import sys
 import tempfile
 import threading
+from collections.abc import Generator, Iterator
 from functools import partial
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, Phase, find, settings
@@ -27,9 +28,6 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterator
-    from typing import IO
-
     from playwright.sync_api import Browser
 
 pytest_plugins = ["morse.testing.fixtures"]

@@ -1,7 +1,5 @@
 """How many examples a test of properties tries: a few each time, all of them at night."""
 
-from __future__ import annotations
-
 from hypothesis import settings
 
 #: examples of a test that says nothing, in the profile `nightly` of conftest.py

@@ -1,22 +1,16 @@
 """Fixtures of tests that run texts as scene scripts."""
 
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from morse.assets import search
 from morse.builder import workspace
 from morse.builder.script import load_scene
+from morse.scene import Scene
 from morse.simulation.options import RunOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from morse.scene import Scene
 
 
 @pytest.fixture(autouse=True)

@@ -1,12 +1,8 @@
 """Waiting for what other threads and processes do: until a condition holds, with a limit of wall-clock time."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING, Any, TypeVar
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 #: s; much more than a loaded machine needs
 LIMIT = 60.0

@@ -1,7 +1,5 @@
 """Components of users, with errors."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

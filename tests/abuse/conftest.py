@@ -1,8 +1,6 @@
 """Simulations for abuse."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
 
 import pytest
 from victims import SCENE, Victim
@@ -13,9 +11,6 @@ try:
     import resource
 except ImportError:  # a system without such limits
     resource = None  # type: ignore[assignment]
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,7 +1,5 @@
 """Many clients, clients that connect and disconnect, and clients that are killed."""
 
-from __future__ import annotations
-
 import json
 import random
 import signal
@@ -9,13 +7,10 @@ import subprocess
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING
 
 import pytest
+from victims import Victim
 from wire import HZ, Footprint, Line, Witness
-
-if TYPE_CHECKING:
-    from victims import Victim
 
 CLIENT = """
 import sys

@@ -1,23 +1,18 @@
 """Simulations that are killed, components that fail, states that diverge."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from wire import HZ, Line
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from morse.testing.process import SimulationProcess
 
-    from morse.testing.process import SimulationProcess
-
-    Start = Callable[..., SimulationProcess]
+Start = Callable[..., SimulationProcess]
 
 pytestmark = pytest.mark.long
 

@@ -1,19 +1,14 @@
 """Malformed lines, fragments and floods on every port, while another client must not be affected."""
 
-from __future__ import annotations
-
 import itertools
 import random
 import socket
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import pytest
+from victims import Victim
 from wire import Line, Witness, drained
-
-if TYPE_CHECKING:
-    from victims import Victim
 
 SHORT, LONG = 4_000, 1_000_000
 MALFORMED = (

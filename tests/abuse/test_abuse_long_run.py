@@ -3,8 +3,6 @@
 The long form prints its results (``pytest -s -m soak``), which are recorded in docs/measured.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import re
@@ -12,8 +10,8 @@ import selectors
 import socket
 import time
 from collections import Counter
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import pytest
 from test_abuse_lines import garbage
@@ -21,14 +19,10 @@ from test_abuse_other_ports import _free_port, harass
 from victims import SCENE, Victim
 from wire import HZ, Footprint, Line, Witness, drained
 
+from morse.testing.process import SimulationProcess
 from tests.waiting import wait_until
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.testing.process import SimulationProcess
-
-    Start = Callable[..., SimulationProcess]
+Start = Callable[..., SimulationProcess]
 
 CROWDED = """
 from morse.builder import *

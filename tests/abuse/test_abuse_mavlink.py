@@ -1,7 +1,5 @@
 """Floods of a MAVLink link: the time of a tick stays bounded, and the messages of other senders still arrive."""
 
-from __future__ import annotations
-
 import socket
 
 from morse.plugins.mavlink.datastream import Intake

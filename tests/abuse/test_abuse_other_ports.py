@@ -1,25 +1,20 @@
 """Garbage on the ports of the live view and of the time sync, while another client must not be affected."""
 
-from __future__ import annotations
-
 import contextlib
 import random
 import re
 import socket
 import threading
 import urllib.request
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 from victims import SCENE, Victim
 from wire import Line, Witness
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from morse.testing.process import SimulationProcess
 
-    from morse.testing.process import SimulationProcess
-
-    Start = Callable[..., SimulationProcess]
+Start = Callable[..., SimulationProcess]
 
 SHORT, LONG = 60, 3000
 UPGRADE = (

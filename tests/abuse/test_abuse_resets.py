@@ -1,14 +1,8 @@
 """A simulation that is restarted repeatedly."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
+from victims import Victim
 from wire import Footprint, Line
-
-if TYPE_CHECKING:
-    from victims import Victim
 
 pytestmark = pytest.mark.skipif(not Footprint.possible(), reason="the system does not tell")
 

@@ -1,24 +1,19 @@
 """Web pages, clients that crash, and time that hardly advances: a whole simulation."""
 
-from __future__ import annotations
-
 import contextlib
 import http.client
 import json
 import re
 import urllib.request
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 from victims import SCENE, Victim
 from wire import HZ, Footprint, Line, Witness, drained
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from morse.testing.process import SimulationProcess
 
-    from morse.testing.process import SimulationProcess
-
-    Start = Callable[..., SimulationProcess]
+Start = Callable[..., SimulationProcess]
 
 pytestmark = pytest.mark.long
 

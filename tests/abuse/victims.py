@@ -1,13 +1,8 @@
 """A simulation for abuse."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from wire import Line
 
-if TYPE_CHECKING:
-    from morse.testing.process import SimulationProcess
+from morse.testing.process import SimulationProcess
 
 SCENE = """
 from morse.builder import *

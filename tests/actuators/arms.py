@@ -1,7 +1,5 @@
 """The arm of the tests, and its forward kinematics."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Values of clients at the limits of their ranges, and clients that repeat a mistake in every tick."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -1,7 +1,5 @@
 """Arms of Blender files with masses, and arms of URDF files without: the script decides."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

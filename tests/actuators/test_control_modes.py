@@ -1,8 +1,7 @@
 """The control mode of motors, changed while the simulation runs."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -10,10 +9,6 @@ import morse
 from morse.builder import Armature, ArmaturePose, Robot
 from morse.core.kinds import bind
 from pymorse import MorseServicePreempted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 #: a wheel about the vertical axis: no weight acts on it
 INERTIA = 0.2

@@ -1,7 +1,5 @@
 """A person: walking, the skeleton, its targets, and the hands."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Floating, sinking, drag and current, against Archimedes and closed forms."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The gains of motors: how far a joint sags is its load divided by its stiffness."""
 
-from __future__ import annotations
-
 import pytest
 
 from pymorse import MorseServiceFailed

@@ -1,7 +1,5 @@
 """Links that are brought to poses: where the physics has them, not where the setpoints are."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

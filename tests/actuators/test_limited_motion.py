@@ -1,7 +1,5 @@
 """Limits of speed, acceleration and jerk, against closed forms of the ramps."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The PR2: its torso, arms, joint values and equipment."""
 
-from __future__ import annotations
-
 import json
 import math
 from types import SimpleNamespace

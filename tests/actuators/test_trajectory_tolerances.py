@@ -1,7 +1,5 @@
 """A pendulum of 2 kg at 0.4 m: what keeps it from a path, and what a weak motor cannot do."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,15 +1,10 @@
 """Code of users is called through the guard: calls outside of it are found in the syntax trees of the simulator."""
 
-from __future__ import annotations
-
 import ast
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import morse
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROOT = Path(morse.__file__).parent
 #: the rooms that call parts of users; others are such parts themselves

@@ -1,17 +1,12 @@
 """Circular imports between files of MORSE; imports for type checking count, too."""
 
-from __future__ import annotations
-
 import ast
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 import morse
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
 
 pytestmark = pytest.mark.quick
 

@@ -1,7 +1,5 @@
 """A build imports parts of the package before the dependencies of the package are installed."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

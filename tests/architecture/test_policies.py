@@ -1,7 +1,5 @@
 """Files for other programs and for maintainers are valid, and say what holds."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

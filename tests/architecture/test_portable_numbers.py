@@ -1,7 +1,5 @@
 """What reaches data is computed without BLAS, LAPACK and the vector code of numpy, which round by the processor."""
 
-from __future__ import annotations
-
 import ast
 import json
 import os

@@ -1,7 +1,5 @@
 """What only some systems have is asked for before it is used; files can be checked out and read on all systems."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

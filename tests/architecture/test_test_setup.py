@@ -1,7 +1,5 @@
 """Assumptions of the tests."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

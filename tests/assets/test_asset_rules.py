@@ -1,10 +1,8 @@
 """From settings of model files to bodies, and from loose objects to one component."""
 
-from __future__ import annotations
-
 import itertools
+from collections.abc import Sequence
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -15,9 +13,6 @@ from morse.assets.body_settings import SETTINGS, settle
 from morse.assets.errors import AssetError
 from morse.assets.rules import gather_under_root, resolve_auto
 from morse.scene import BodySettings, Bounds, Library, Mesh, Node, NodeKind, PhysicsType
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 AUTO, RIGID, STATIC, NONE = (
     PhysicsType.AUTO, PhysicsType.RIGID_BODY, PhysicsType.STATIC, PhysicsType.NO_COLLISION,

@@ -1,7 +1,5 @@
 """What a file costs is counted over all of its parts, and pictures are decoded where they cannot do harm."""
 
-from __future__ import annotations
-
 import base64
 import io
 import itertools
@@ -9,7 +7,8 @@ import json
 import os
 import struct
 import time
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,9 +22,6 @@ from morse.recording.mcap import reader, records
 from morse.system import regular_files as budget
 from morse.system.pictures import MOST_PIXELS, open_picture, orientation_of
 from morse.system.workers import Worker
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 OBJ = "mtllib {0}.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n"
 

@@ -1,9 +1,7 @@
 """Meshes in COLLADA files: their unit, and files that are not what they say."""
 
-from __future__ import annotations
-
 import importlib.util
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +10,6 @@ from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles import read_meshes
 from morse.mathutils import Vector
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 NEEDS_READER = pytest.mark.skipif(importlib.util.find_spec("collada") is None, reason="the extra is not installed")
 

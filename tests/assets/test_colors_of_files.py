@@ -1,15 +1,10 @@
 """Colours of robot files are what the programs for these files show: the numbers are those of the screen, sRGB."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.assets import load
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: linear light of 0.5 and 0.2, IEC 61966-2-1
 HALF, FIFTH = ((0.5 + 0.055) / 1.055) ** 2.4, ((0.2 + 0.055) / 1.055) ** 2.4

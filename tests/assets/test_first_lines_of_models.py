@@ -1,7 +1,5 @@
 """The first lines of the chapter on models work with a file of each format."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,15 +1,10 @@
 """Sensors of forces, contacts and velocities that robot files declare measure what their programs measure."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: a pan of 2 kg hangs on an arm that a motor holds; the pan has the shape that touches
 MJCF = """<mujoco model="arm"><worldbody><geom type="box" size="0.05 0.05 0.5" pos="0 0 0.5"/>

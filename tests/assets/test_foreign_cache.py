@@ -1,16 +1,11 @@
 """What others have put into the directory of a cache is not read, and does not block."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.assets.cache import Cache
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="the system has no owners of this kind")
 

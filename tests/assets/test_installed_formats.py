@@ -1,16 +1,11 @@
 """Readers of model files that installed packages bring."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 READER = (
     "from morse.scene import Library, Node\ndef read(path):\n    return Library(str(path), roots=[Node('crate')])\n"

@@ -1,7 +1,5 @@
 """Collision shapes are computed once for each content of a mesh."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

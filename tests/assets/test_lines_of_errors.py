@@ -1,16 +1,11 @@
 """Errors of robot files name the file and the line, also after comments, in included files and in the engine."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.assets import load
 from morse.assets.errors import AssetError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 BODY = "<worldbody>\n<body>\n<geom size='1'/>\n{}\n</body>\n</worldbody>"
 FILES = {

@@ -1,20 +1,16 @@
 """Mesh files with excessive counts are refused before they take time and memory."""
 
-from __future__ import annotations
-
 import base64
 import json
 import struct
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from morse.assets.errors import AssetError
 from morse.assets.loader import load
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
 PART = {"attributes": {"POSITION": 0}}

@@ -1,13 +1,12 @@
 """glTF, OBJ, STL and PLY files as models: shapes, axes, materials, and damaged or malicious files."""
 
-from __future__ import annotations
-
 import io
 import json
 import math
 import struct
 import zlib
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,9 +20,6 @@ from effort import examples
 from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.builder import Environment, FakeRobot, PassiveObject
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 CHEQUERED = {(255, 0, 255), (255, 255, 255)}
 FORMATS = ("glb", "obj", "stl", "ply")

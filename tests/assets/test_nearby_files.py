@@ -1,17 +1,12 @@
 """A model of a robot reads the files of its package, and no others."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.assets.nearby_files import FileRefusedError, find_near, find_package
 from morse.assets.search import project_dirs
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Robots of other packages stand for five seconds, and their motors hold their joints."""
 
-from __future__ import annotations
-
 import importlib.util
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Balls and cylinders of model files are drawn as what lasers hit."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

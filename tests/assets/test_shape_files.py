@@ -1,7 +1,5 @@
 """Collision shapes are kept on disk, for the next process."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

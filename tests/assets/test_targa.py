@@ -1,7 +1,5 @@
 """TGA images: their specification, compared with the PNG as read by Pillow; and malicious files."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import struct

@@ -1,7 +1,5 @@
 """XML that is not quite XML, which the programs that robots are written for accept."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The work of the benchmarks has known results, and every benchmark runs and checks them."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from xml.etree import ElementTree

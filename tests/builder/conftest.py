@@ -1,13 +1,8 @@
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from script_fixtures import _fresh_builder, load  # noqa: F401 (fixtures)
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture

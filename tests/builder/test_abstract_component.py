@@ -1,7 +1,6 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -24,9 +23,6 @@ from morse.builder import (
 from morse.builder.abstractcomponent import timer
 from morse.mathutils import Euler, Vector
 from morse.scene import Node
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 metres = st.floats(-1e6, 1e6)
 

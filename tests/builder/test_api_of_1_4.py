@@ -1,7 +1,5 @@
 """Every public name of the builder of MORSE 1.4 that its documents state, with parameters and defaults."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import inspect

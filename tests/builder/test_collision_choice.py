@@ -1,8 +1,6 @@
 """Scripts choose the collision shapes of meshes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +8,6 @@ import trimesh
 
 import morse
 from morse.scene import ShapeKind
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture

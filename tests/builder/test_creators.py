@@ -1,7 +1,6 @@
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,9 +18,6 @@ from morse.builder.names import catalog
 from morse.core.actuator import Actuator
 from morse.core.sensor import Sensor
 from morse.scene import NodeKind, PhysicsType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture

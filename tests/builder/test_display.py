@@ -1,15 +1,11 @@
 """What a script wants to be shown."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from morse.builder.errors import ScriptError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 SCRIPT = """
 from morse.builder import *

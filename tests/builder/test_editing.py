@@ -1,9 +1,8 @@
 """Changes of a scene are written into its script: the script describes the changed scene, and keeps its other lines."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -21,9 +20,6 @@ from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
 from morse.mathutils import Euler
 from morse.simulation.options import RunOptions
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: what users write: literals, expressions, keywords, assignments, loops, names, several calls, no call
 BODIES = [

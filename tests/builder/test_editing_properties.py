@@ -1,7 +1,5 @@
 """Scripts of many forms are edited at random: the saved script describes the edited scene, and all other text stays."""
 
-from __future__ import annotations
-
 import io
 import re
 import shutil

@@ -1,9 +1,8 @@
-from __future__ import annotations
-
 import contextlib
 import logging
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -24,12 +23,7 @@ from morse.builder import (
 )
 from morse.builder.assembly.finalise import build_scene
 from morse.middleware import registry
-from morse.scene import Mist
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.scene import Scene
+from morse.scene import Mist, Scene
 
 SERVICES = "morse.middleware.socket_request_manager.SocketRequestManager"
 STREAMS = "morse.middleware.socket_datastream.SocketDatastreamManager"

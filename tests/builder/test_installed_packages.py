@@ -1,7 +1,5 @@
 """Components and modifiers of installed packages, by entry points."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,7 @@
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -22,10 +22,6 @@ from morse.builder.names import catalog
 from morse.builder.names.catalog import Entry
 from morse.middleware import registry
 from morse.middleware.registry import Middleware
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 STREAMS = "morse.middleware.socket_datastream.SocketDatastreamManager"
 SERVICES = "morse.middleware.socket_request_manager.SocketRequestManager"

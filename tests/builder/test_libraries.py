@@ -1,15 +1,10 @@
 """Files of the user with the name of a library."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 # -P: only the folder of the script is on the path, as for the installed command
 MORSE = (sys.executable, "-P", "-c", "import sys; from morse.cli import main; sys.exit(main())")

@@ -1,7 +1,5 @@
 """Cameras that look at a point."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

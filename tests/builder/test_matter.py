@@ -1,7 +1,5 @@
 """The physics of solids and robots, as scripts set it: the same methods for all."""
 
-from __future__ import annotations
-
 import pytest
 
 import morse

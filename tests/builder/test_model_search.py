@@ -1,20 +1,15 @@
 """The file that a model name refers to, and that each file is read once."""
 
-from __future__ import annotations
-
 import os
+from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse import assets
 from morse.assets import AssetNotFoundError, UnsupportedFormatError, find, formats, instantiate, loader, search
 from morse.scene import Library, Node, PhysicsType
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 
 def touch(path: Path) -> Path:

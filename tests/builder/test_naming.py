@@ -1,18 +1,12 @@
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from morse.builder.script import ScriptError
+from morse.scene import Scene
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.scene import Scene
-
-    Load = Callable[..., Scene]
+Load = Callable[..., Scene]
 
 HEAD = "from morse.builder import *\n"
 END = "env = Environment('empty')\n"

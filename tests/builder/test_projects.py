@@ -1,19 +1,13 @@
 """Components of a user's own project: the file of the component is enough."""
 
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from morse.builder.errors import ScriptError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.scene import Scene
+from morse.scene import Scene
 
 SONAR = """
 from morse.core.declarations import BuilderDefaults

@@ -1,8 +1,8 @@
-from __future__ import annotations
-
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -22,10 +22,6 @@ from morse.builder import (
     robots,
 )
 from morse.scene import Bounds, PhysicsType
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 
 def declaration(robot: Any) -> Any:

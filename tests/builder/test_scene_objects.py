@@ -1,7 +1,5 @@
 """The nodes of a scene under the names of Blender's objects."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

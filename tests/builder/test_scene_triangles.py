@@ -1,7 +1,5 @@
 """Scenes with too many triangles are refused before they fill the memory."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.builder import workspace

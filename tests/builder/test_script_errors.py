@@ -1,13 +1,11 @@
 """Errors in a scene script: the line, the given value, and the expected value."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -21,10 +19,7 @@ from morse.middleware import registry
 from morse.scene import Scene
 from morse.simulation.options import RunOptions
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Load = Callable[..., Scene]
+Load = Callable[..., Scene]
 
 HEAD = "from morse.builder import *\n"
 END = "env = Environment('empty')\n"

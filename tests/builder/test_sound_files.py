@@ -1,17 +1,13 @@
 """Files of sounds are found as models are."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from morse.assets import search
 from morse.builder.errors import ScriptError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 SCRIPT = """
 from morse.builder import *

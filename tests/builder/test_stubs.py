@@ -1,17 +1,12 @@
 """The types of scene scripts for editors and type checkers."""
 
-from __future__ import annotations
-
 import importlib.util
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 import pytest
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCKS = ROOT / "tests" / "journey" / "blocks"

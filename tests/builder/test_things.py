@@ -1,6 +1,5 @@
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -25,9 +24,6 @@ from morse.builder import (
     workspace,
 )
 from morse.scene import NodeKind, PhysicsType
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 np = pytest.importorskip("numpy")
 

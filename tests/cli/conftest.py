@@ -1,17 +1,12 @@
-from __future__ import annotations
-
 import io
 import logging
 import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.cli.app import execute
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """add: the files of your own robot, sensor and actuator."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import keyword

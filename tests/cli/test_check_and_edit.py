@@ -1,7 +1,5 @@
 """check: the installed programs; edit: the right file in the right program."""
 
-from __future__ import annotations
-
 import stat
 import sys
 from pathlib import Path

@@ -1,16 +1,11 @@
 """``morse check SCENE``: everything that needs a change at once, and a mended copy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 
 from morse.middleware import registry
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Terminal
+from tests.cli.conftest import Terminal
 
 HEAD = "from morse.builder import *\n"
 END = "env = Environment('empty')\n"

@@ -1,7 +1,5 @@
 """``morse demo``."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

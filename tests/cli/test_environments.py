@@ -1,15 +1,11 @@
 """create, import, rm: directories and the configuration file."""
 
-from __future__ import annotations
-
 import configparser
 import os
-from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:
-    from conftest import Terminal
+from conftest import Terminal
 
 
 def sites(morse: Terminal) -> dict[str, str]:

@@ -1,7 +1,5 @@
 """`morse export --film`: a film of a recorded run."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence

@@ -1,7 +1,5 @@
 """The output of create and add can be simulated without changes."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """``morse import-world`` writes a scene script, and ``morse check`` reads model files."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

@@ -1,7 +1,5 @@
 """The `morse` and `morseexec` programs in separate processes, and their help."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,18 +1,13 @@
-from __future__ import annotations
-
 import io
 import socket
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 
 from morse.cli.morse_sync import Pace, main
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @pytest.mark.parametrize("overhead", [0.0, 0.004, 0.009])

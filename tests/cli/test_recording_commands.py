@@ -1,7 +1,5 @@
 """run --record: recordings, and refused options."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

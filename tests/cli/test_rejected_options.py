@@ -1,7 +1,5 @@
 """What commands say about options, arguments and files that they cannot use."""
 
-from __future__ import annotations
-
 import pytest
 
 

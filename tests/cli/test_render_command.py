@@ -1,7 +1,5 @@
 """`morse render`: pictures and films of scenes."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

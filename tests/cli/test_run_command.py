@@ -1,7 +1,5 @@
 """run: the scene, the options, and their effect on the simulation."""
 
-from __future__ import annotations
-
 import math
 import os
 import socket

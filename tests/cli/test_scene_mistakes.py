@@ -1,10 +1,9 @@
 """Mistakes in scenes: `morse check` and `morse run --strict` find each one, with its line and its mend."""
 
-from __future__ import annotations
-
 import gc
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -15,12 +14,7 @@ from morse.core.classes.project_imports import ProjectImports
 from morse.core.reports import log
 from morse.launch.load import SceneWarningError, load
 from morse.scene.scene_warnings import scene_warnings
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from tests.cli.conftest import Terminal
+from tests.cli.conftest import Terminal
 
 HEAD = """\
 from morse.builder import *

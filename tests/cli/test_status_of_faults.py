@@ -1,13 +1,12 @@
 """A run in which a part was switched off by a fault says so in its exit status, and in its last lines."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import pytest
 import yaml
@@ -15,9 +14,6 @@ import yaml
 from morse.simulation.ending import FAULTS
 from morse.testing.process import SimulationProcess
 from pymorse import Morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 pytestmark = pytest.mark.long
 

@@ -1,7 +1,5 @@
 """Files of the user are not damaged: several commands at once, closed streams, full disks."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

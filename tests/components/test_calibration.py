@@ -1,7 +1,5 @@
 """Values that old scripts rely on: the rest poses of robots, and their distances. The values are those of MORSE 1.4."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """A car in a town: the distance that MORSE 1.4 measured, and a start inside the ground."""
 
-from __future__ import annotations
-
 import pytest
 
 SCENE = """

@@ -1,8 +1,7 @@
 """Sensors that measure when they are read have the data of sensors that are read in each tick."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -11,11 +10,7 @@ from hypothesis import strategies as st
 import morse
 from effort import examples
 from morse.builder import Environment, Robot
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 #: a body that falls and rolls, with a leg on a hinge that swings and touches the floor
 _TUMBLER = """

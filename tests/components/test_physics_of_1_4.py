@@ -1,7 +1,5 @@
 """Driven robots with the physics of MORSE 1.4. The values are measurements of 1.4, with the tolerances of its tests."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

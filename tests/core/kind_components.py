@@ -1,7 +1,5 @@
 """Components without a simulation, for tests of message kinds."""
 
-from __future__ import annotations
-
 import copy
 from types import SimpleNamespace
 from typing import Any

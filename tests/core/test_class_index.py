@@ -1,7 +1,5 @@
 """The index of component classes agrees with their files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

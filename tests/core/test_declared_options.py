@@ -1,7 +1,5 @@
 """Options that contradict themselves are refused where they are declared."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """Message kinds: declared once, gathered and scattered, refused if invalid."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 from types import SimpleNamespace

@@ -1,15 +1,10 @@
 """Message kinds of installed packages."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 KINDS = """
 from morse.core.kinds import Kind, Slot

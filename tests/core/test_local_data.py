@@ -1,11 +1,10 @@
 """Fields that are computed when they are read look to every reader as if they had always been there."""
 
-from __future__ import annotations
-
 import copy
 import json
 import pickle
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +12,6 @@ import pytest
 from morse.core.realism import copied
 from morse.core.streams.local_data import Later, LocalData
 from morse.wire.encoding import to_json
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 PLAIN: dict[str, Any] = {"timestamp": 1.5, "point_list": [[1.0, 2.0, 3.0]], "range_list": [4.0, 5.0]}
 

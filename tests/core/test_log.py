@@ -1,7 +1,5 @@
 """The format of the simulator's log, which other programs read."""
 
-from __future__ import annotations
-
 import io
 import logging
 import os

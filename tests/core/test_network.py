@@ -1,23 +1,18 @@
 """The network loop: in its own thread, or in the waiting thread."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import socket
 import threading
 import time
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import pytest
 
 from morse.core.clients.network import Network
 from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 
 def in_a_thread(function: Callable[[], object]) -> None:

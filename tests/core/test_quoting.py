@@ -1,7 +1,5 @@
 """Text from outside can be quoted in any message."""
 
-from __future__ import annotations
-
 import difflib
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The share of the time that requests may take."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.core.clients.budgets import TimeShare

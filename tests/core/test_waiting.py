@@ -1,9 +1,8 @@
 """What is lost is said."""
 
-from __future__ import annotations
-
 import logging
-from typing import TYPE_CHECKING
+
+import pytest
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW
@@ -11,9 +10,6 @@ from morse.core.clients.complaints import Complaints, Waiting
 from morse.core.datastream import DatastreamManager
 from morse.core.streams.kind_stream import KindStream
 from morse.scene import StreamDeclaration
-
-if TYPE_CHECKING:
-    import pytest
 
 
 def test_the_oldest_entries_are_lost_and_counted(caplog: pytest.LogCaptureFixture) -> None:

@@ -1,7 +1,5 @@
 """The model files are built by the scripts in tools/assets, with identical bytes every time."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,13 +1,10 @@
 """The model files have the names, positions, sizes, masses and properties that scripts for MORSE rely on."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -16,9 +13,7 @@ import zstandard
 import morse
 from morse.mathutils import Euler
 from morse.plugins.blend import read_blend
-
-if TYPE_CHECKING:
-    from morse.scene import Library, Node
+from morse.scene import Library, Node
 
 DATA = Path(morse.__file__).parent / "data"
 #: bounding boxes are those of 1.4 to a centimetre; the recorded positions have three digits

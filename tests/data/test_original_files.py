@@ -4,14 +4,12 @@ They are in Debian's package morse-simulator-data (``usr/share/morse/data``) and
 environment variable ``MORSE_TEST_ORIGINAL_DATA`` is their directory.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,10 +18,8 @@ from morse.assets.collision import resolve_shapes
 from morse.builder.script import load_scene
 from morse.physics import World
 from morse.plugins.blend import read_blend
+from morse.scene import Node
 from morse.simulation.options import RunOptions
-
-if TYPE_CHECKING:
-    from morse.scene import Node
 
 DATA = Path(os.environ.get("MORSE_TEST_ORIGINAL_DATA", ""))
 FILES = sorted(path.relative_to(DATA).with_suffix("").as_posix() for path in DATA.rglob("*.blend")) if DATA.name else []

@@ -1,10 +1,8 @@
 """The indoor worlds for mapping, the meadow of the sandbox, and the initial viewpoint of each world."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -13,12 +11,7 @@ import morse
 from morse.assets import find, load
 from morse.builder import ATRV, Environment, FakeRobot, Hokuyo, Morsy, MotionVW, Pose
 from morse.mathutils import Euler
-from morse.scene import ShapeKind
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.scene import Scene
+from morse.scene import Scene, ShapeKind
 
 WORLDS = (
     "sandbox",

@@ -1,19 +1,15 @@
 """Checks of the recipes that are programs."""
 
-from __future__ import annotations
-
 import csv
 import math
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from PIL import Image
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 
 class Done(NamedTuple):

@@ -1,19 +1,15 @@
 """Checks of the recipes that are scenes."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 from morse.rosmsgs.remap import Remaps
 from morse.rosmsgs.table import Qos
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 def _down(sim: Any) -> None:

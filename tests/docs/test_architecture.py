@@ -1,7 +1,5 @@
 """The first page of the architecture fits a screen, and the files and functions that it names exist."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The table of budgets in the documentation has the numbers of the code."""
 
-from __future__ import annotations
-
 import importlib
 from pathlib import Path
 

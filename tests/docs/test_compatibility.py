@@ -1,7 +1,5 @@
 """The table of programs that others wrote."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,11 +1,10 @@
 """The component library contains the declarations of the components, and its examples run."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from doc_pages import DOCS, ROOT
@@ -15,10 +14,6 @@ from morse.builder import actuators, robots, sensors, workspace
 from morse.builder.script import load_scene
 from morse.core import declarations
 from morse.simulation.options import RunOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

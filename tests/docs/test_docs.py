@@ -1,7 +1,5 @@
 """The files, commands, options and environment variables in the documentation exist."""
 
-from __future__ import annotations
-
 import configparser
 import importlib
 import re

@@ -1,14 +1,14 @@
 """The examples of the documentation run, with the documented results."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import math
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from doc_pages import DOCS, Block, blocks, named
@@ -17,10 +17,6 @@ import morse
 from morse.cli.app import execute
 from morse.testing.process import SimulationProcess
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

@@ -1,18 +1,13 @@
 """The checkers of the exercises pass with a solution, and fail with the files as they are handed out."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from doc_pages import DOCS
 from exercise_solutions import SOLUTIONS
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PAGE = (DOCS / "exercises.md").read_text(encoding="utf-8")
 FILES: dict[str, str] = dict(re.findall(r"`(tests/\w+\.py)`:\n\n```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL))

@@ -1,22 +1,17 @@
 """What the documentation says about installing works, although no index of packages has MORSE."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
 import tomllib
 from importlib import metadata
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 import yaml
 from doc_pages import DOCS, PAGES, ROOT, blocks
 
 from morse.system import extras
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]

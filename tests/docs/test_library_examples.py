@@ -1,7 +1,5 @@
 """The examples on the pages of the component library run, with their clients, and their pictures are on the pages."""
 
-from __future__ import annotations
-
 import re
 import runpy
 import threading

@@ -1,18 +1,13 @@
 """The page "A middleware of your own": its files are written as they stand there, and its client commands the robot."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
 import sys
 import tomllib
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from doc_pages import DOCS
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PAGE = (DOCS / "middleware.md").read_text()
 _FILE = re.compile(r"^```(?:python|toml)\n# (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

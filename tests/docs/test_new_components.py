@@ -1,7 +1,5 @@
 """The chapters on new components: their files are complete, their tests pass, and the components keep the contract."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,13 +1,12 @@
 """The recipes do what they say."""
 
-from __future__ import annotations
-
 import logging
 import re
 import runpy
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 import recipe_programs
@@ -17,9 +16,6 @@ from recipe_programs import Done
 
 import morse
 from morse.simulation.simulation import Simulation
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PAGE = (DOCS / "recipes.md").read_text(encoding="utf-8")
 RECIPES = dict(re.findall(r"^## (.*?)\n.*?```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE))

@@ -1,7 +1,5 @@
 """SECURITY.md promises what tests prove."""
 
-from __future__ import annotations
-
 import ast
 import ipaddress
 import os

@@ -1,16 +1,12 @@
 """The page of the validation is true: everything is measured again."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 ROOT = Path(__file__).parents[2]
 ROWS = re.compile(r"^\| (.+) \| (.+) \| (\S+) \| (\S+) \| (\S+) \| (.+) \|$", re.MULTILINE)

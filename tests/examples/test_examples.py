@@ -1,7 +1,5 @@
 """Every example works as described. The values are those of geometry and physics."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

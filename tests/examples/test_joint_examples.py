@@ -1,7 +1,5 @@
 """The programs of `examples/joints`, by physics."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Programs of `examples` with software that others wrote, in closed loop."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

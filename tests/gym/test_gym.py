@@ -1,7 +1,5 @@
 """Environments of Gymnasium and PettingZoo: the checkers of these libraries, seeds, processes."""
 
-from __future__ import annotations
-
 import copy
 import os
 import pickle

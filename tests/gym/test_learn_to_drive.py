@@ -1,7 +1,5 @@
 """The example that learns to drive: its gradients, its mirror, a short run, and at night the whole of it."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path

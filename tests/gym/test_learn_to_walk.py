@@ -1,7 +1,5 @@
 """The example that learns to walk: the weights that ship, a short search, and at night the whole of it."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import sys

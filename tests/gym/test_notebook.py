@@ -1,7 +1,5 @@
 """The notebook from a scene to a policy and a sweep runs, cell by cell."""
 
-from __future__ import annotations
-
 import json
 import linecache
 from pathlib import Path

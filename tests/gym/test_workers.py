@@ -1,12 +1,11 @@
 """Processes of vectors: the same bits with any number of them; what interrupts the program interrupts no exchange."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +15,6 @@ from gymnasium.vector import AutoresetMode
 
 import morse.gym
 from morse.system.workers import Worker, WorkerError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROWS = 5
 

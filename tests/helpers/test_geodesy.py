@@ -1,7 +1,5 @@
 """Coordinates on the earth against published points, and against pymap3d."""
 
-from __future__ import annotations
-
 import math
 
 import pymap3d

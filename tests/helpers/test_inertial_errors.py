@@ -1,7 +1,5 @@
 """The errors of inertial sensors against the Allan deviations of their terms (IEEE Std 952-1997)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

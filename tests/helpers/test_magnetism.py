@@ -1,7 +1,5 @@
 """The magnetic field against the test values that NOAA publishes with the model."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -5,8 +5,6 @@ line of JSON is written. Processes are forked from one that has imported everyth
 its own.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import resource

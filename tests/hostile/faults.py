@@ -1,7 +1,5 @@
 """Errors that the code of users may raise, from plain ones to those whose own methods fail."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from morse.core.actuator import Actuator
 from morse.core.datastream import AbstractDatastream, DatastreamManager
@@ -12,9 +13,6 @@ from morse.core.observer import Observer
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, on_read
 from morse.robots.fakerobot import FakeRobot
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: raises the error under test; and the tick in which it is called
 fault: Callable[[], object] = list

@@ -3,8 +3,6 @@
 Run as a program: ``first_uses.py NAME...``; prints a line of JSON per name: the name, and the events in its ticks.
 """
 
-from __future__ import annotations
-
 import json
 import linecache
 import os

@@ -1,15 +1,12 @@
 """Recordings and saved states that ask for much more work than their size suggests."""
 
-from __future__ import annotations
-
 import base64
 import json
 import struct
-from typing import TYPE_CHECKING
 
 import msgspec
 import zstandard
-from hostile_meshes import late
+from hostile_meshes import Maker, late
 
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.inputs import TYPE
@@ -17,9 +14,6 @@ from morse.recording.made.writing import TOPIC as MADE
 from morse.recording.mcap import records
 from morse.recording.recorder import BEGINNING, FORMAT, PRESENT
 from morse.rosmsgs.cdr import encode
-
-if TYPE_CHECKING:
-    from hostile_meshes import Maker
 
 _EXACT = base64.b64encode(b"x").decode()
 _INPUT = json.dumps({"tick": 1, "kind": "command", "name": "a", "content": "", "exact": _EXACT})

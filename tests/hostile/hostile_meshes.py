@@ -1,19 +1,15 @@
 """Mesh files that ask for much more work than their size suggests: each function writes files and returns the model."""
 
-from __future__ import annotations
-
 import base64
 import json
 import struct
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    Maker = Callable[[Path], Path]
+Maker = Callable[[Path], Path]
 
 _TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 _BASIS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")

@@ -1,7 +1,5 @@
 """Objects that raise whatever is asked of them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -1,7 +1,5 @@
 """Pictures and .blend files that ask for much more memory than their size suggests."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import io
@@ -9,20 +7,18 @@ import json
 import struct
 import sys
 import zlib
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import zstandard
 from hostile_meshes import gltf, late, soup, text
 from PIL import Image
 
 sys.path.append(str(Path(__file__).parents[1] / "plugins" / "blend"))
+
 from blend_writer import BlendWriter
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from hostile_meshes import Maker
+from hostile_meshes import Maker
 
 
 def png(width: int, height: int, level: int = 9) -> bytes:

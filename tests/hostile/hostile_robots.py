@@ -1,17 +1,10 @@
 """MJCF and URDF files that ask for much more work than their size suggests."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
-from hostile_meshes import _TRIANGLE, doubling, late, obj, soup, stl, text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from hostile_meshes import Maker
+from hostile_meshes import _TRIANGLE, Maker, doubling, late, obj, soup, stl, text
 
 _BOX = '<geom type="box" size=".1 .1 .1"/>'
 

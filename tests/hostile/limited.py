@@ -1,7 +1,5 @@
 """Simulations in a process of their own with few file descriptors, and their clients."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
@@ -9,14 +7,11 @@ import socket
 import struct
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 _MINUTE = 60.0
 _START = """

@@ -4,8 +4,6 @@
 recording on a page without a browser. One line of JSON follows for each: exit status, errors, and suspicious events.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,13 +1,12 @@
 """A scene for hostile states: its project contains a function and a class that do harm when anything calls them."""
 
-from __future__ import annotations
-
 import logging
 import os
 import sys
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +17,6 @@ from morse.core.modifier import AbstractModifier
 from morse.core.sensor import Sensor
 from morse.core.state import StateError
 from morse.simulation.states.state import State
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
 
 PARTS = str(Path(__file__).parent)
 #: what no state may cause

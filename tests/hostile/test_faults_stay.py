@@ -5,8 +5,9 @@ from __future__ import annotations
 import functools
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -19,9 +20,6 @@ import morse
 from morse.builder import Environment, MotionVW, Pose
 from morse.core.rows.lazy_data import present_data
 from morse.scene import StreamDeclaration
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 TICKS = 8
 #: each kind of a part that may fail: its name in the log, and the consequence

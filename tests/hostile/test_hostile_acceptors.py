@@ -1,12 +1,11 @@
 """Connections that say nothing, or that are reset as soon as they are open."""
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import logging
 import socket
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from limited import connect, is_closed, reset, told_once
@@ -20,9 +19,6 @@ from morse.plugins.mavlink.links import open_link
 from morse.plugins.multinode.server import MultinodeServer
 from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 logger = logging.getLogger("morse.test")
 

@@ -1,8 +1,7 @@
 """A component that puts something else in the place of what the simulation needs fails in that line, alone."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -10,9 +9,6 @@ import morse
 from morse.builder import Environment, FakeRobot
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 OWN = ["bge_object", "robot_parent", "context", "clock"]
 LISTS = ["input_functions", "output_functions", "input_modifiers", "output_modifiers"]

@@ -1,8 +1,6 @@
 """Recordings whose chunks contain zeros, and recordings in the place of a scene: both are refused at once."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -11,9 +9,6 @@ from morse.cli.scenes import resolve
 from morse.recording.errors import RecordingError
 from morse.recording.mcap import records
 from morse.recording.mcap.reader import McapFile
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def _file(path: Path, content: bytes) -> Path:

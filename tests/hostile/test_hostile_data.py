@@ -1,10 +1,9 @@
 """Data that stand for more than anybody can write down: the field is refused, with its size and the limit."""
 
-from __future__ import annotations
-
 import re
+from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,9 +21,6 @@ from morse.robots.fakerobot import FakeRobot as FakeRobotClass
 from morse.viewer.feeds.components import ValuesFeed
 from morse.viewer.protocol import encode_json
 from morse.wire.encoding import to_json, written
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def _doubled(times: int) -> list[Any]:

@@ -1,7 +1,5 @@
 """A robot that a client describes neither ends the simulation nor disturbs other robots."""
 
-from __future__ import annotations
-
 import pytest
 
 import morse

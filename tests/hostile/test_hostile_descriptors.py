@@ -1,10 +1,9 @@
 """Clients that use up the file descriptors: the simulation goes on, and takes clients again when others leave."""
 
-from __future__ import annotations
-
 import contextlib
 import json
-from typing import TYPE_CHECKING
+import socket
+from pathlib import Path
 
 import pytest
 from limited import call, connect, is_closed, limited_run, reset, told_once
@@ -12,10 +11,6 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect as websocket
 
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    import socket
-    from pathlib import Path
 
 pytest.importorskip("resource")
 

@@ -1,10 +1,8 @@
 """Clients that fetch files of the live view and do not read them take no memory."""
 
-from __future__ import annotations
-
 import socket
+from collections.abc import Iterator
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
 
 import pytest
 from limited import connect, reset
@@ -12,9 +10,6 @@ from limited import connect, reset
 from morse.core.clients.network import Network
 from morse.viewer.server import ViewServer
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 CONTENT = bytes(range(256)) * (8 << 12)
 #: bytes of a file that the simulation may hold for one client; the system holds more

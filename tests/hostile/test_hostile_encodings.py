@@ -1,8 +1,6 @@
 """A script in any encoding that Python accepts is shown, saved and mended without a lost character."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -10,9 +8,6 @@ import morse
 from morse.builder.editing.changes import Changes, Move, UnwritableError
 from morse.system.source_text import source_text
 from morse.viewer.script_file import ScriptFile
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCRIPT = """# -*- coding: {} -*-
 # café

@@ -1,7 +1,5 @@
 """Components whose data or state cannot be read do not end the live view, which shows all others."""
 
-from __future__ import annotations
-
 import logging
 from types import SimpleNamespace
 from typing import Any

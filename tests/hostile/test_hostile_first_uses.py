@@ -1,7 +1,5 @@
 """Nothing is imported, opened or compiled for the first time within a tick, when no descriptor may be left."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,11 +1,9 @@
 """A model is data, wherever it lies: nothing in its folder is executed."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -18,9 +16,6 @@ from morse.recording.mcap.writer import McapWriter
 from morse.system.free_names import free_path
 from morse.system.regular_files import RefusedFileError, check_default_name
 from morse.system.workers import command
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ROBOT = """<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"
 iyz="0"/></inertial><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"""

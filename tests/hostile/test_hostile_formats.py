@@ -1,13 +1,11 @@
 """Pictures in formats that Pillow reads by running a program, or whose readers raise unusual errors."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json
 import stat
 import struct
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,9 +19,6 @@ from morse.rendering.textures import TextureStore
 from morse.scene import Image
 from morse.simulation.handles.world_changes import NamedPictures
 from morse.system.pictures import open_picture
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 POSTSCRIPT = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n%%EOF\n"
 

@@ -1,11 +1,11 @@
 """Sets and dictionaries of files whose items have one hash: without a limit, their time is quadratic."""
 
-from __future__ import annotations
-
 import itertools
 import struct
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -20,10 +20,6 @@ from morse.recording.made.reading import Unpacking
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
 from morse.simulation.states.state import State
 from morse.system.packed_keys import check_keys
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 COUNT = 16
 #: the hash of -1 equals that of -2, and that of 2**61 - 1 is 0

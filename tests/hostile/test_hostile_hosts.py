@@ -1,7 +1,5 @@
 """Host headers that only look like this machine."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,22 +1,17 @@
 """Lines that repeat are counted, and every count is told."""
 
-from __future__ import annotations
-
 import logging
 import re
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from morse.assets.loader import load
 from morse.core.clients.complaints import Complaints
 from morse.core.reports.log import Folding, MorseFormatter
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 
 class Lines(logging.Handler):

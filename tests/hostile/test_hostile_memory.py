@@ -1,10 +1,9 @@
 """What one client leaves behind has one budget, in bytes, which is free again when it has gone."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -18,9 +17,6 @@ from morse.plugins.yarp.ports import WaitingBottles
 from morse.viewer import page_messages as pm
 from morse.viewer.hub import Hub
 from morse.viewer.page import Page
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 LARGEST_MESSAGE = 1 << 20
 MOST = 20 << 20

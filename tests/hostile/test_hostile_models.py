@@ -1,23 +1,19 @@
 """Model files that ask for much more work than their size suggests are loaded or refused soon, in one line."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hostile_files import RECORDINGS
 from hostile_meshes import MESHES, soup, stl
 from hostile_pictures import BLENDS, PICTURES
 from hostile_robots import ROBOTS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the limits of processes are those of Linux")
 

@@ -1,10 +1,10 @@
 """Names that clients, pages and files give in a running simulation are words; no name becomes a path."""
 
-from __future__ import annotations
-
 import contextlib
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,13 +13,8 @@ from morse.builder import ATRV, Environment, Pose
 from morse.core.exceptions import MorseError
 from morse.core.state import StateError
 from morse.core.validation.names import LONGEST_NAME, RESERVED, check_name, file_name, word_of
+from morse.simulation.simulation import Simulation
 from morse.system.free_names import free_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 #: no words
 NO_WORDS = [

@@ -1,9 +1,8 @@
 """Names of others never become statements of the Python files that MORSE writes."""
 
-from __future__ import annotations
-
 import ast
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 from hypothesis import HealthCheck, example, given, settings
@@ -14,9 +13,6 @@ from morse.assets.sdf.script import scene_script
 from morse.system.source_text import inside_quotes, one_line, quoted
 from pymorse.component import Component
 from pymorse.stubs import stubs
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: ends a docstring, a string or a comment, and goes on with a statement
 ENDS = ['"""', "'", '"', "\r", "\n", "\x0c", "\u2028", "\x85", "\\", "\x1c", ":", ",", ")", "#"]

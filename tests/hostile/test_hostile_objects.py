@@ -1,9 +1,9 @@
 """Objects of a component that raise whatever is asked of them: the run goes on, and its state can be saved."""
 
-from __future__ import annotations
-
 import logging
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import hostile_objects as objects
 import pytest
@@ -13,11 +13,6 @@ from morse.builder import Environment, FakeRobot
 from morse.core.sensor import Sensor
 from morse.core.state import StateError
 from morse.helpers.components import add_data
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
 
 OBJECTS = ["Mute", "Disguised", "Unsaved", "Unordered", "Anonymous"]
 PLACES = ["attribute", "field", "data", "item"]

@@ -1,10 +1,8 @@
 """Pages that are turned away keep no place, whether they leave at once or stay."""
 
-from __future__ import annotations
-
 import json
 import socket
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 from limited import connect
@@ -13,9 +11,6 @@ from morse.core.clients.network import Network
 from morse.viewer.protocol import VERSION
 from morse.viewer.server import ViewServer
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class View:

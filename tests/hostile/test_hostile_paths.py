@@ -1,13 +1,12 @@
 """Pipes, devices and very large files in place of files that MORSE reads: refused at once, with the reason."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -18,10 +17,6 @@ from morse.cli.sites import Sites
 from morse.simulation.states.state import State
 from morse.system.regular_files import SOURCE_LIMIT, read_regular
 from morse.viewer.feeds.sensors import read_sound
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
 

@@ -1,7 +1,5 @@
 """Regular expressions take time in proportion to the text: an unfinished comment, tag or call repeats no search."""
 
-from __future__ import annotations
-
 import ast
 import re
 import time

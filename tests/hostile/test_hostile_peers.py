@@ -11,9 +11,10 @@ import struct
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -35,9 +36,6 @@ from morse.plugins.yarp.port import Port
 from morse.plugins.yarp.wire import Address, NameServer, is_alive
 from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 MINUTE = 60.0
 

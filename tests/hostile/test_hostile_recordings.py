@@ -3,15 +3,14 @@
 Without ``--trust``, a recorded run is shown, filmed, exported and simulated again without a program of the file.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
 import sys
 import timeit
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 import pytest
@@ -27,9 +26,6 @@ from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
 from morse.simulation.recordings.input_recording import entry_to_bytes
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 SCENE = """
 from morse.builder import *

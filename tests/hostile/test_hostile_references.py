@@ -1,10 +1,8 @@
 """Robot files that refer to themselves, to devices, folders and vertices that do not exist: a line names the fault."""
 
-from __future__ import annotations
-
 import time
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -15,9 +13,6 @@ from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.cli.messages import CommandError, existing_file
 from morse.system import regular_files as budget
 from morse.system.regular_files import read_regular
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="base"/>'
 _TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"

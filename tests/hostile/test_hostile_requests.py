@@ -1,10 +1,9 @@
 """A request may name any number of things: what it costs is limited."""
 
-from __future__ import annotations
-
 import itertools
+from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -14,11 +13,7 @@ from morse.middleware.foxglove import parameters as of_foxglove
 from morse.middleware.foxglove.client import FoxgloveClient
 from morse.middleware.ros2 import parameters as of_ros2
 from morse.middleware.rosbridge.client import Parts, Puzzle, parse
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 MANY = 20_000
 

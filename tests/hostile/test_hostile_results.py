@@ -1,14 +1,13 @@
 """Folders of results of studies are data: nothing in them is executed, waited for or followed."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +18,6 @@ from morse.many.plots import histogram, scatter
 from morse.many.run import Run, run_once
 from morse.many.summary import write_summary
 from morse.many.values import plain
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 if sys.platform == "win32":
     pytest.skip("has neither pipes with names nor copies of processes", allow_module_level=True)

@@ -1,18 +1,13 @@
 """What a scene script does to the process, or raises, is a message that names its line."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
 from morse.builder.errors import ScriptError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HEAD, END = "from morse.builder import *\nimport sys\n", '\nFakeRobot("r")\nenv = Environment("empty")\n'
 ERRORS = {

@@ -1,7 +1,5 @@
 """A program that uses pymorse survives any server: it gets an error in time, and its memory is bounded."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import re
@@ -9,14 +7,12 @@ import socket
 import threading
 import time
 import tracemalloc
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
 from pymorse import Morse, MorseServiceFailed, __main__, discovery, frames, names, stream, stubs
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 
 @pytest.fixture

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from limited import connect, limited_run
@@ -13,12 +15,7 @@ import morse
 from morse.builder import ATRV, Environment, Hokuyo, UltrasonicRangeFinder, VideoCamera
 from morse.core.clients.budgets import MOST_PIXELS, RAY, SensingBudget
 from morse.core.exceptions import MorseError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 CAMERAS = ("one", "two", "three")
 

@@ -1,7 +1,5 @@
 """Files that change while a simulation runs: a module whose import does not end, a script that becomes a pipe."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -10,8 +8,10 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from websockets.sync import client
@@ -26,10 +26,6 @@ from morse.scene import SourceLine
 from morse.simulation.options import RunOptions
 from morse.simulation.watching import watch
 from morse.viewer.protocol import VERSION
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 CLASS = "from morse.core.sensor import Sensor\n\nclass Slow(Sensor):\n    def default_action(self):\n        pass\n"
 ENDLESS = "\nwhile True:\n    pass\n"

@@ -1,7 +1,5 @@
 """What comes from others does not control the terminal, whatever names it and whatever command prints it."""
 
-from __future__ import annotations
-
 import ast
 import json
 import logging
@@ -10,8 +8,8 @@ import shutil
 import struct
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -20,9 +18,6 @@ from morse.core.reports.log import MorseFormatter
 from morse.core.reports.printing import console, echo, harmless, harmless_paragraph
 from morse.recording.mcap import records
 from morse.recording.recorder import BEGINNING, FORMAT, PRESENT
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 SOURCE = Path(morse.__file__).parent
 #: window title, clipboard, colours, back to the beginning, C1, direction, no width, other ends of lines

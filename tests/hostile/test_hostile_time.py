@@ -3,15 +3,14 @@
 Time is that of clocks that only the tests advance.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import logging
 import socket
 import struct
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from websockets.server import ServerProtocol
@@ -29,9 +28,6 @@ from morse.rosmsgs.topics.stream import check_size, largest
 from morse.wire.connection import Connection
 from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 MINUTE = 60.0
 HANDSHAKE = (

@@ -1,10 +1,9 @@
 """A saved state is data: a value of any type at any place is refused or harmless, and nothing is executed."""
 
-from __future__ import annotations
-
 import multiprocessing
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import msgspec
 import pytest
@@ -16,9 +15,6 @@ from effort import examples
 from morse.core.state import Reader, StateError
 from morse.core.state.attributes import is_data
 from morse.simulation.recordings.input_recording import entry_from_bytes
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 CHOICES = st.tuples(st.integers(0, 10_000), st.sampled_from(sorted(traps.VALUES)))
 

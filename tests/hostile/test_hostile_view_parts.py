@@ -1,12 +1,13 @@
 """A feed, a request or a page of the live view that fails is dropped and named; the server and the others stay."""
 
-from __future__ import annotations
-
 import logging
+import socket
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from test_hostile_pages import ALIVE, HELLO, _frame
@@ -15,6 +16,7 @@ from test_hostile_pages import View as Server
 import morse
 from morse.builder import ATRV, Environment, FakeRobot
 from morse.core.declarations import properties
+from morse.simulation.simulation import Simulation
 from morse.viewer import live_view, page_messages
 from morse.viewer.editor import Catalog
 from morse.viewer.hub import Hub, Wishes
@@ -24,13 +26,6 @@ from morse.viewer.page_messages import ViewEvent
 from morse.viewer.protocol import page_message_types
 from morse.viewer.view_messages import Answer, Models, PropertyValue, Refused
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    import socket
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 
 def _scene() -> None:

@@ -1,14 +1,14 @@
 """A process that renders images may answer anything: it is replaced, and what it has sent is not taken for an image."""
 
-from __future__ import annotations
-
 import contextlib
 import multiprocessing
 import os
 import pickle
 import struct
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,10 +17,6 @@ import morse
 from morse.many import Study
 from morse.rendering import workers
 from morse.system.workers import Worker, WorkerError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,12 +1,10 @@
 """The expressions of a file of xacro compute values: they execute, write and read nothing else."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import pytest
@@ -14,9 +12,6 @@ import pytest
 from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.assets.urdf.xacro_limits import evaluate
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytest.importorskip("xacro")
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="base"/>'

@@ -1,7 +1,5 @@
 """A program may ask for the error of a part that fails."""
 
-from __future__ import annotations
-
 import sys
 import traceback
 from pathlib import Path

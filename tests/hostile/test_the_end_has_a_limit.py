@@ -1,24 +1,20 @@
 """A part that does not end is named and left, and the process ends with its status."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from threading import Event
 from threading import enumerate as enumerate_threads
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from morse.simulation.ending import FAULTS, Ending, threads_left
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 PART = """
 import threading, time

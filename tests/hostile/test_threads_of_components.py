@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -12,9 +13,6 @@ from morse.builder import Environment
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data
 from morse.robots.fakerobot import FakeRobot
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 class Radar(Sensor):

@@ -1,7 +1,5 @@
 """A user, a browser and a terminal for the tutorial."""
 
-from __future__ import annotations
-
 import pytest
 from steps import Person
 

@@ -1,8 +1,6 @@
 """Finds the eyes of the ranger in a picture of the live view."""
 
-from __future__ import annotations
-
-from pathlib import Path  # noqa: TC003
+from pathlib import Path
 
 import numpy as np
 from PIL import Image

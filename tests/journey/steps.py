@@ -1,7 +1,5 @@
 """The actions of a user who follows the tutorial: types commands, edits files, looks at the view."""
 
-from __future__ import annotations
-
 import os
 import queue
 import re

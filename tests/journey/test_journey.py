@@ -1,7 +1,5 @@
 """The tutorial "A Journey to a New Simulation", chapter by chapter, as a user types it."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Random triangles, lamps and cameras, as arrays."""
 
-from __future__ import annotations
-
 import numpy as np
 from kernel_worlds import rotations
 

@@ -1,7 +1,5 @@
 """Random solids and rays, as arrays."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

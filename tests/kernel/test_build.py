@@ -1,7 +1,5 @@
 """Compiling the kernel."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Large triangles, which cover whole blocks of pixels: images of the C functions and of numpy are bit-identical."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings

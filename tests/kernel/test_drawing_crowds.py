@@ -1,7 +1,5 @@
 """More triangles in 32 x 32 pixels than are shaded at a time: images of the C functions and of numpy are the same."""
 
-from __future__ import annotations
-
 import numpy as np
 from kernel_drawings import RandomDrawing
 

@@ -1,7 +1,5 @@
 """Images of a drawer that keeps the last ones are those of a drawer that draws everything, whatever has changed."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """The closed parts of meshes: those of the C function are those of numpy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Driven robots: the C functions and their twins in Python are bit-identical."""
 
-from __future__ import annotations
-
 import math
 
 import mujoco

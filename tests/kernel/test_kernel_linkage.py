@@ -1,7 +1,5 @@
 """Linkages: the C function equals its twin in Python, to the bit, and both say what geometry says."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rays of the C functions and of numpy are bit-identical, with any build and any number of threads."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings

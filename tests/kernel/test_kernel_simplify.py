@@ -1,7 +1,5 @@
 """Simplified meshes: those of the C function are those of Python, to the bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The loaded library, and the behaviour if it is missing."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

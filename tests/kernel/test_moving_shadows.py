@@ -1,7 +1,5 @@
 """The shadows of parts that move: equal to those of a map that is drawn anew, in C and in numpy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from kernel_drawings import RandomDrawing

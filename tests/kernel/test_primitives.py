@@ -1,7 +1,5 @@
 """The C formulas and those of numpy are bit-identical."""
 
-from __future__ import annotations
-
 import ctypes
 
 import numpy as np

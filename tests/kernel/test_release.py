@@ -1,19 +1,14 @@
 """What a release consists of: the checks of wheels find what would break on a user's machine."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import zipfile
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.kernel import targets
 from tools.release import arm64, contents, steps, wheels, wine
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HOST = targets.host()
 pytestmark = pytest.mark.skipif(HOST is None or not HOST.system.startswith("linux"), reason="reads the own library")

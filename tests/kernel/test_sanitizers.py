@@ -1,7 +1,5 @@
 """The tests of the kernel, run with a library that checks every access and every operation."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The bounds of the blocks of a shadow map: two planes with all texels that are read for a point of the block."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from kernel_drawings import RandomDrawing

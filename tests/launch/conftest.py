@@ -1,14 +1,9 @@
 """A project with its own components, in its own folder."""
 
-from __future__ import annotations
-
 import textwrap
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SENSOR = """
     from morse.builder.creator import SensorCreator

@@ -1,7 +1,5 @@
 """Scenes as functions, for tests with processes, which import them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

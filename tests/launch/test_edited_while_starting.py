@@ -1,16 +1,12 @@
 """A script that is saved while the simulation starts counts as edited."""
 
-from __future__ import annotations
-
+from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from morse.builder.script import load_scene
 from morse.launch.rereading import Rereading, script_stamp, source_stamps
 from morse.simulation.options import RunOptions
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,7 +1,5 @@
 """Loading, running and closing a simulation leave the process unchanged."""
 
-from __future__ import annotations
-
 import gc
 import logging
 import os
@@ -9,7 +7,8 @@ import signal
 import sys
 import threading
 import warnings
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import launch_scenes
 import pytest
@@ -19,9 +18,6 @@ from morse.builder.script import ScriptError
 from morse.launch.load import described
 from morse.simulation.loader import LoadError
 from morse.simulation.options import RunOptions
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 LIBRARIES = ("morse.", "pymorse", "numpy", "mujoco", "embreex", "zstandard", "msgspec")
 

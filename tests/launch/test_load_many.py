@@ -1,13 +1,12 @@
 """Many simulations in one process."""
 
-from __future__ import annotations
-
 import gc
 import multiprocessing
 import threading
 import tracemalloc
 import weakref
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import launch_scenes
 import pytest
@@ -15,9 +14,6 @@ import pytest
 import morse
 from morse.launch.load import described
 from morse.simulation.options import RunOptions
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TICKS = 60
 

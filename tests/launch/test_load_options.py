@@ -1,7 +1,5 @@
 """Invalid options of ``morse.load``: refused before anything is loaded."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,15 +1,11 @@
 """The modules of a project belong to its simulation."""
 
-from __future__ import annotations
-
 import sys
 import threading
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_imports_within_a_tick_find_the_project(project: Path) -> None:

@@ -1,14 +1,9 @@
 """Files of a project with the names of libraries that a run does not need."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 
 def test_file_beside_the_scene_with_the_name_of_the_library_for_tables(tmp_path: Path):

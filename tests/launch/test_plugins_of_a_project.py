@@ -1,20 +1,15 @@
 """A project declares its plugins in its ``pyproject.toml``, and its models are in ``data``, without an installation."""
 
-from __future__ import annotations
-
 import importlib.util
 import logging
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
 from morse.builder.errors import ScriptError
 from morse.core.classes.plugins import entry_points
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HALVED = """
 from morse.core.modifier import AbstractModifier

@@ -1,7 +1,5 @@
 """Scenes of the tests of batches."""
 
-from __future__ import annotations
-
 
 def body(robot, mass=10.0, radius=0.2):
     """Give a robot a cylinder as its body."""

@@ -1,7 +1,5 @@
 """Studies: rows, resumption, failures, and processes that are killed."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import json
 import multiprocessing

@@ -1,7 +1,5 @@
 """Functions of numpy with the same bits on every processor, compared with numpy's own."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from morse.middleware.socket_datastream import SocketDatastreamManager
 from morse.middleware.socket_request_manager import SocketRequestManager
@@ -23,9 +24,6 @@ from morse.core.services import async_service, interruptible, noninterruptible, 
 from morse.mathutils import Quaternion, Vector
 from morse.scene import StreamDeclaration, TimeStrategies
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 PUBLISHER = "morse.middleware.socket_datastream.SocketPublisher"
 READER = "morse.middleware.socket_datastream.SocketReader"

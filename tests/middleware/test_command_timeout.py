@@ -1,17 +1,13 @@
 """Commands that expire: the option ``timeout`` of the streams of actuators."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import morse
 from morse.core.exceptions import MorseError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -5,7 +5,8 @@ from __future__ import annotations
 import logging
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any, ClassVar
+from pathlib import Path
+from typing import Any, ClassVar
 
 import pytest
 from socket_bench import Bench, Body
@@ -20,9 +21,6 @@ from morse.core.streams.kind_stream import KindStream
 from morse.core.validation import OptionError
 from morse.scene import StreamDeclaration
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 KIND_STREAM = "morse.core.streams.kind_stream.KindStream"
 

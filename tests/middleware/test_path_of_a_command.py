@@ -1,21 +1,15 @@
 """What a tick enters on the way of a command from a socket to the wheel."""
 
-from __future__ import annotations
-
 import socket
 import sys
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import FrameType
 
 import morse
 from morse.builder import Environment, Morsy, MotionVW, Pose
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from types import FrameType
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 #: files of the tick of a command, without the network thread; more of them make the way harder to follow
 _MOST = 40

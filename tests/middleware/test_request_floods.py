@@ -1,9 +1,8 @@
 """Floods of long requests over each middleware: a tick serves a few of them, and all clients in turn."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -11,9 +10,6 @@ import morse
 from morse.core.clients.budgets import TimeShares
 from morse.core.request_manager import OfferedService
 from morse.middleware.rosbridge.datastream import RosbridgeRequestManager
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: s that a request takes, for example to spawn a robot
 LONG = 0.02

@@ -1,20 +1,16 @@
 """ArduPilot's backend for MORSE in closed loop: scenes as its examples, controllers that know what it parses only."""
 
-from __future__ import annotations
-
 import math
 import socket
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from ardupilot_peer import Peer
 
 import morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

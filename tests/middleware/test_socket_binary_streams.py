@@ -1,10 +1,9 @@
 """The port for binary streams: what clients ask for, what they get, and what they may not do."""
 
-from __future__ import annotations
-
 import json
 import logging
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +15,6 @@ from socket_bench import Bench, Peer
 from morse.middleware.socket import frames as binary_frames
 from pymorse import frames
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class Reader(Peer):

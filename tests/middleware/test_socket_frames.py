@@ -1,7 +1,5 @@
 """The bytes of binary frames: the simulation writes what the client reads."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math

@@ -1,7 +1,5 @@
 """The resources of one client are limited, and no other client has to wait for it."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import json
@@ -9,11 +7,12 @@ import logging
 import time
 import uuid
 import weakref
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from socket_bench import Bench, Peer
 
 from morse.core import status
 from morse.core.clients.acceptors import Descriptors
@@ -27,11 +26,6 @@ from morse.wire.encoding import from_json, to_json
 from morse.wire.inbox import Inbox
 from morse.wire.server import Budget, limits_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from socket_bench import Bench, Peer
 
 
 class Caller:

@@ -1,15 +1,14 @@
 """The Unix socket of the services, for clients of the same user."""
 
-from __future__ import annotations
-
 import os
 import socket
 import stat
 import tempfile
 import time
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -18,9 +17,6 @@ from morse.builder import Environment, FakeRobot, MotionVW, Pose
 from morse.core.exceptions import MorseError, MorseMiddlewareError
 from morse.middleware.socket.request_manager import listen_locally
 from pymorse import Morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="this system has no Unix sockets")
 LIMIT = 60.0

@@ -1,20 +1,15 @@
 """The original client of MORSE 1.4 from PyPI with this server."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from socket_bench import Bench
 from test_socket_pymorse import DETAILS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 pytestmark = pytest.mark.soak
 

@@ -1,9 +1,7 @@
 """The client and the server of this project together."""
 
-from __future__ import annotations
-
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 from socket_bench import Bench
@@ -11,9 +9,6 @@ from socket_bench import Bench
 from morse.core import status
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 DETAILS = {
     "robots": [

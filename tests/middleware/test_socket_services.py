@@ -1,7 +1,5 @@
 """Services over TCP, byte for byte."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import logging

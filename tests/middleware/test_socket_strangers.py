@@ -1,12 +1,10 @@
 """Clients with another protocol, above all browsers, are disconnected before any of their data are processed."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import logging
 import socket
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
@@ -16,9 +14,6 @@ from socket_bench import Bench, Peer
 from morse.wire.lines import FirstLine
 from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 REQUEST = b'1 robot1.motion echo ["driven by a page"]\n'
 COMMAND = b'{"v": 1.0}\n'

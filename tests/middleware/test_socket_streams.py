@@ -1,7 +1,5 @@
 """Streams over TCP."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import logging

@@ -1,9 +1,7 @@
 """A client paces the simulation."""
 
-from __future__ import annotations
-
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
 
 import pytest
 from socket_bench import Bench, Peer
@@ -12,9 +10,6 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import datastream
 from morse.wire.listener import listen, port_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 
 @pytest.fixture

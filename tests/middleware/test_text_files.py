@@ -1,7 +1,5 @@
 """Text files in the format of MORSE 1.4."""
 
-from __future__ import annotations
-
 import math
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Modifiers for geographic coordinates, against published points and by inversion."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

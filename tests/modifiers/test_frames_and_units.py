@@ -1,7 +1,5 @@
 """Modifiers for other frames and units: known points, and inversion."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,19 +1,15 @@
 """Modifiers that add noise: mean and standard deviation over many measurements, and paths in closed form."""
 
-from __future__ import annotations
-
 import math
 import statistics
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 import morse
 from morse.builder import Environment, FakeRobot, MotionVW, Odometry, Pose
 from morse.core.exceptions import MorseError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 COUNT = 2000
 

@@ -1,7 +1,5 @@
 """Test files in the style of MORSE 1.4 pass when they are run as programs, as the tests of 1.4 were."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Chains of links for tests of joints that the physics moves."""
 
-from __future__ import annotations
-
 import math
 
 from worlds import scene

@@ -4,8 +4,6 @@ Every candidate point on the full surfaces (planes, tubes, spheres) is tested fo
 its part of the shape.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

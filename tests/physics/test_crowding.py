@@ -1,19 +1,15 @@
 """Many bodies at one place: the run goes on, with short ticks, and everything else behaves as before."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import mujoco
 import pytest
 
 import morse
 from morse.physics import forward as forward_module
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,7 +1,5 @@
 """Robots on wheels touch the plane of a floor only while they are above the floor."""
 
-from __future__ import annotations
-
 import mujoco
 import pytest
 from test_wheels import RADIUS, TRACK, wheeled

@@ -1,7 +1,5 @@
 """The bits of a driven robot depend only on what it touches; last digits may depend on others in one case."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Joints that the physics moves, against the formulas of textbooks."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

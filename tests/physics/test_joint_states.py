@@ -1,7 +1,5 @@
 """Joints that the physics moves are saved, restored, reset, and survive changes of the scene."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

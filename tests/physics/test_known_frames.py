@@ -1,8 +1,7 @@
 """What is known of nodes is not computed again when another object comes or goes, and follows every change."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,9 +10,6 @@ from morse.mathutils import Matrix
 from morse.physics.poses.poses import relative_pose
 from morse.scene import Node
 from morse.scene.frames import rigid_frame
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

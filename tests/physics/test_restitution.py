@@ -1,17 +1,12 @@
 """Bodies bounce as scripts say, and slide with the friction that scripts set, on any ground."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 import trimesh
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SLOPE = """
 <mujoco><worldbody>

@@ -1,7 +1,5 @@
 """Rows of poses: what was shared never changes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

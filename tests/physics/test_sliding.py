@@ -1,7 +1,5 @@
 """Objects that slide."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,16 +1,11 @@
 """Robots from files that start with their legs below the floor are put on it."""
 
-from __future__ import annotations
-
 import logging
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: distance from the origin, in the trunk, to the feet, m
 LEG = 0.5

@@ -1,7 +1,5 @@
 """Small scenes of primitives for tests of the physics."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Plug-ins: the core knows none of them, they know its public modules alone, and everything else works without them."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import os

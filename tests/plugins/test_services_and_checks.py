@@ -1,17 +1,12 @@
 """Services of the simulation and checks of scenes by entry points: those that are broken are named and left out."""
 
-from __future__ import annotations
-
 import logging
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
 from morse.launch.load import SceneWarningError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 LAB = '''
 import itertools

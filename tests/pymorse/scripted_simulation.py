@@ -6,10 +6,8 @@ import contextlib
 import json
 import socket
 import threading
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from collections.abc import Callable
+from typing import Any
 
 REQUEST_MANAGER = "morse.middleware.socket_request_manager.SocketRequestManager"
 STREAM_MANAGER = "morse.middleware.socket_datastream.SocketDatastreamManager"

@@ -1,7 +1,5 @@
 """A server that sends without end leaves time for the other connections of a client."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import time

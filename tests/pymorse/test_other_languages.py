@@ -1,21 +1,16 @@
 """The clients in C++ and JavaScript of `examples/languages` drive a robot."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from test_pymorse_aio import Running, running
 
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 pytestmark = pytest.mark.long
 

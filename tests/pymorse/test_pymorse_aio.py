@@ -1,7 +1,5 @@
 """pymorse with asyncio: the same names, awaited; and connections that come back."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import math
@@ -9,7 +7,9 @@ import socket
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,10 +17,6 @@ import morse
 from event_loops import run_apart
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

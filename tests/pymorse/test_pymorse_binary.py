@@ -1,29 +1,22 @@
 """`Morse(binary=True)`, with the server of this project and with servers that misbehave."""
 
-from __future__ import annotations
-
 import logging
 import socket
 import struct
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from scripted_simulation import ScriptedSimulation
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW, Pose, Sick
+from morse.simulation.simulation import Simulation
 from pymorse import Morse
 from pymorse.binary import BinaryConnection
 from pymorse.poller import Poller
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from scripted_simulation import ScriptedSimulation
-
-    from morse.simulation.simulation import Simulation
 
 
 def scene() -> None:

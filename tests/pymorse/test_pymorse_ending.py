@@ -1,7 +1,5 @@
 """Connections that cannot be opened, break, or are closed."""
 
-from __future__ import annotations
-
 import signal
 import socket
 import subprocess

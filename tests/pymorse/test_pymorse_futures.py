@@ -1,18 +1,13 @@
-from __future__ import annotations
-
 import concurrent.futures
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
+from scripted_simulation import ScriptedSimulation
 
 from pymorse import Morse, MorseServiceFailed, MorseTimeoutError
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from scripted_simulation import ScriptedSimulation
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """The thread that serves connections, and waiting threads that serve them in its place."""
 
-from __future__ import annotations
-
 import threading
 
 import pytest

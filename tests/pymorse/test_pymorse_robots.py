@@ -1,16 +1,11 @@
 """The representation of the simulation in Python."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 from scripted_simulation import ScriptedSimulation
 
 from pymorse import Component, Morse, Robot
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROBOTS = {
     "robot": {

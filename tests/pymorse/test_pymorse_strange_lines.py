@@ -1,15 +1,11 @@
 """A client that is connected to a stream, where a server of services is expected."""
 
-from __future__ import annotations
-
 import logging
-from typing import TYPE_CHECKING
+
+import pytest
+from scripted_simulation import ScriptedSimulation
 
 import pymorse
-
-if TYPE_CHECKING:
-    import pytest
-    from scripted_simulation import ScriptedSimulation
 
 
 def test_lines_that_are_no_answers_are_reported_once(

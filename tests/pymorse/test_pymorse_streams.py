@@ -1,10 +1,9 @@
-from __future__ import annotations
-
 import json
 import logging
 import socket
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,9 +14,6 @@ from pymorse import Morse, PollThread, Stream, StreamJSON, messages
 from pymorse.channel import MAX_UNSENT
 from pymorse.stream import StreamB
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class Collecting(StreamB):

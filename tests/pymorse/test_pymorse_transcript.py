@@ -1,17 +1,12 @@
 """The bytes between the client and a simulation."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING
 
 import pytest
+from scripted_simulation import ScriptedSimulation
 
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from scripted_simulation import ScriptedSimulation
 
 
 def test_a_session_as_it_goes_over_the_wire(simulation: ScriptedSimulation) -> None:

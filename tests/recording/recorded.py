@@ -1,17 +1,12 @@
 """A scene with noise, rays, frames and inputs, and independent readers of its recordings."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from rosbags.highlevel import AnyReader
 
 from morse.builder import ATRV, Battery, Environment, MotionVW, Odometry, Pose, Sick
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 
 def scene() -> None:

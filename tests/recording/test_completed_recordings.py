@@ -1,8 +1,6 @@
 """Recordings that were cut off, written as complete files."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +14,6 @@ from morse.recording.export import Rewritten, rewrite, selected
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,10 @@
 """Recordings as tables: the tables contain the recorded data."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,9 +17,6 @@ from morse.recording.fields import DECLARED, FIELDS, FIELDS_TYPE
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture(scope="module")

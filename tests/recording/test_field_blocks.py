@@ -1,7 +1,5 @@
 """Blocks of data fields come back exactly, and damaged ones are refused."""
 
-from __future__ import annotations
-
 import contextlib
 from typing import Any
 

@@ -1,13 +1,11 @@
 """The seconds before a failure are saved, and can be simulated again."""
 
-from __future__ import annotations
-
 import logging
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from recorded import SCRIPT, read_by_rosbags
@@ -16,9 +14,6 @@ import morse
 from morse.recording.recording import Recording
 from morse.simulation.recordings.recorders import FlightRecorder
 from morse.verification.resimulation import resimulate
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 BROKEN = """
 from morse.core.sensor import Sensor

@@ -1,10 +1,9 @@
 """Recordings of strangers: they name no programs and call no services that write files."""
 
-from __future__ import annotations
-
 import contextlib
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -15,9 +14,6 @@ from morse.recording.errors import RecordingError
 from morse.simulation.recordings.input_recording import InputRecording
 from morse.simulation.recordings.recorders import SCRIPT
 from morse.simulation.recordings.replaying import Replay
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PROGRAM = b"from morse.builder import *\nrobot = ATRV()\nenv = Environment('empty')\n"
 

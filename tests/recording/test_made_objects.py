@@ -1,10 +1,10 @@
 """Objects that functions of a program have spawned are shown from their descriptions in the recording."""
 
-from __future__ import annotations
-
 import logging
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -21,15 +21,10 @@ from morse.recording.errors import RecordingError
 from morse.recording.made.packing import Packing
 from morse.recording.made.reading import Unpacking
 from morse.recording.recording import Recording
+from morse.simulation.recordings.timeline import RecordedTimeline
+from morse.simulation.simulation import Simulation
 from morse.verification.resimulation import resimulate
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from morse.simulation.recordings.timeline import RecordedTimeline
-    from morse.simulation.simulation import Simulation
-    from morse.viewer.replay_view import ReplayView
+from morse.viewer.replay_view import ReplayView
 
 SCENE = """
 from morse.builder import *

@@ -1,13 +1,12 @@
 """Damaged and malicious files."""
 
-from __future__ import annotations
-
 import contextlib
 import random
 import struct
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 import zstandard
@@ -20,10 +19,6 @@ from effort import examples
 from morse.recording.errors import RecordingError
 from morse.recording.mcap import records
 from morse.recording.mcap.reader import LARGEST, McapFile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 _HEAD = records.MAGIC + records.header("ros2", "test")
 #: maximum memory for reading a malicious file, bytes

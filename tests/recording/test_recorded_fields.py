@@ -1,11 +1,10 @@
 """The data fields of all sensors come back from a recording exactly, and messages of ROS are those of the tick."""
 
-from __future__ import annotations
-
 import copy
 import csv
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +14,6 @@ from morse.recording.export import export
 from morse.recording.fields.blocks import RecordedFields
 from morse.recording.recording import Recording
 from morse.verification.resimulation import resimulate
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SENSOR = '''
 """A sensor of a project, with fields of all kinds."""

@@ -1,8 +1,7 @@
 """Sensors that measure on read are recorded with the values and messages that they have when they are read."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import hypothesis.strategies as st
 import numpy as np
@@ -17,9 +16,6 @@ from morse.helpers.transformation import euler_angles
 from morse.mathutils.rotations import rotation_from_euler
 from morse.recording.fields.blocks import RecordedFields
 from morse.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TICKS = 90
 SENSORS = ("pose", "gps", "scan")

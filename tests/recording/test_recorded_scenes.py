@@ -1,9 +1,9 @@
 """A recorded run is shown from the file alone: without the script, the modules and the models of its project."""
 
-from __future__ import annotations
-
 import shutil
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,13 +13,8 @@ from morse.recording.recording import Recording
 from morse.sensors.pose import Pose
 from morse.viewer.describe import describe
 from morse.viewer.feeds.components import component_tree
+from morse.viewer.replay_view import ReplayView
 from morse.viewer.site import AssetStore
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from morse.viewer.replay_view import ReplayView
 
 SENSORS = """
 from morse.core.declarations import add_data

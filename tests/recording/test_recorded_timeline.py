@@ -1,9 +1,9 @@
 """A recorded run is shown from its records: poses, appearance, robots that come and go; nothing is simulated."""
 
-from __future__ import annotations
-
+import contextlib
 import random
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,12 +14,7 @@ from morse.launch.playing import playing
 from morse.launch.recorded_run import inputs_of, shown_scene
 from morse.recording.recording import RecordedWorld, Recording
 from morse.simulation.recordings.timeline import RecordedTimeline, Timeline
-
-if TYPE_CHECKING:
-    import contextlib
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 SCRIPT = """
 from morse.builder import *

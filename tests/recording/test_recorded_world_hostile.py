@@ -1,10 +1,9 @@
 """Damaged poses, names and appearances in a recording are refused with a message, or have no effect."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,9 +16,6 @@ from morse.recording.recording import RecordedWorld, Recording
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.definitions import definition
 from morse.simulation.recordings.timeline import _is_look
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def poses(*places: tuple[float, float, float], frame: str = "map") -> bytes:

@@ -1,7 +1,5 @@
 """However a recording ends, the data written before can be read."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import random

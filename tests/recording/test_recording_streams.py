@@ -1,10 +1,8 @@
 """The contents of a recording, read by the MCAP library and rosbags."""
 
-from __future__ import annotations
-
 import json
 import logging
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +14,6 @@ from rosbags.typesys import Stores, get_typestore
 import morse
 from morse.recording.errors import RecordingError
 from morse.rosmsgs.definitions import definition, messages
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TICK = 1e9 / 60
 

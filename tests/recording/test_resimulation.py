@@ -1,10 +1,8 @@
 """A recorded run is simulated again: it is equal, or the first difference is reported."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from recorded import SCRIPT, drive
@@ -18,12 +16,8 @@ from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
 from morse.rosmsgs.cdr import decode, encode
+from morse.simulation.simulation import Simulation
 from morse.verification.resimulation import largest_difference, resimulate
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 
 @pytest.fixture

@@ -1,24 +1,19 @@
 """A recorded run can be set to any of its ticks, with the original state."""
 
-from __future__ import annotations
-
 import random
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from recorded import SCRIPT, drive
 
 import morse
+from morse.core.observer import Observer
 from morse.launch.recorded_run import inputs_of
 from morse.recording.recording import Recording
 from morse.simulation.recordings import timeline as module
 from morse.simulation.recordings.timeline import SimulatedTimeline
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from morse.core.observer import Observer
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 
 class _Hashes:

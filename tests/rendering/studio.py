@@ -1,7 +1,5 @@
 """Small worlds for images, built by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

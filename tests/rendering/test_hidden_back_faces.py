@@ -1,7 +1,5 @@
 """Closed parts of meshes, whose back faces are left out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from studio import Studio, Tripod, body, triangles

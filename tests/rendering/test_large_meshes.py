@@ -1,7 +1,5 @@
 """Meshes that are processed in parts."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np

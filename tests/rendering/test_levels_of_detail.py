@@ -1,7 +1,5 @@
 """Simplified meshes at a distance: their errors, borders between materials, and pictures without them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from studio import Studio, Tripod, body

@@ -1,7 +1,5 @@
 """Images of a world without a camera in the scene."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motion blur and rolling shutter, compared with the displacements that follow from velocities."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

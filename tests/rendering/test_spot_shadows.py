@@ -1,7 +1,5 @@
 """Shadows of a spot lamp, at the positions that follow from the geometry."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

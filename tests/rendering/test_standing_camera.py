@@ -1,7 +1,5 @@
 """Images of cameras that take over what has not changed are those of a renderer that draws each image anew."""
 
-from __future__ import annotations
-
 import gc
 import weakref
 

@@ -1,7 +1,5 @@
 """Cameras under water see the colour of water, darker with the depth, and nothing far away."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

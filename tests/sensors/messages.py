@@ -1,7 +1,5 @@
 """What components of a simulation publish."""
 
-from __future__ import annotations
-
 import math
 
 

@@ -1,7 +1,5 @@
 """Several sensors in one message."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.core.exceptions import MorseRPCTypeError

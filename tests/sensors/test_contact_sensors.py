@@ -1,7 +1,5 @@
 """Collision and bumper against the geometry of obstacles."""
 
-from __future__ import annotations
-
 import pytest
 from messages import published
 

@@ -1,7 +1,5 @@
 """Rules for every sensor beyond the contract: its rate, and rays that depend on properties."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """Components that both read and publish: devices of a real robot in a hybrid simulation."""
 
-from __future__ import annotations
-
 import pytest
 from messages import published
 

@@ -1,7 +1,5 @@
 """Forces on feet and in joints: weights, whatever the engine does with bodies at rest."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

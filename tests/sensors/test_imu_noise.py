@@ -1,7 +1,5 @@
 """IMUs with the errors of their data sheets."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

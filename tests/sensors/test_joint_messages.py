@@ -1,16 +1,11 @@
 """Messages of joints that the physics moves have velocities and efforts; commands match the control of the motors."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
 from morse.core.kinds import bind
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ROBOT = """<robot name="post"><link name="world"/><link name="flag"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>
   <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>

@@ -1,7 +1,5 @@
 """A sensor measures, noise is added, and dependent fields are computed from the noisy values."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The message kinds of sensors and actuators at rest."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

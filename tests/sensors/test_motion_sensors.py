@@ -1,7 +1,5 @@
 """Velocity, acceleration and attitude against the physics of a circle, a fall and a tilt."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

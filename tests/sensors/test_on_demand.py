@@ -1,10 +1,8 @@
 """Sensors of model files: what nobody reads is neither cast nor rendered, and who reads gets the present moment."""
 
-from __future__ import annotations
-
 import json
 import socket
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +12,6 @@ from morse.many import Batch
 from morse.physics.rays import RayBundle
 from morse.wire.listener import port_of
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 URDF = """<robot name="seer"><link name="base"><inertial><mass value="1"/>
   <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>

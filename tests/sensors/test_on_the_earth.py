@@ -1,7 +1,5 @@
 """GPS and magnetometers: positions by the geometry of WGS84, fields by published values."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 import sys

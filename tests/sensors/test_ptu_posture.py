@@ -1,7 +1,5 @@
 """Angles of a pan-tilt unit after commands."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

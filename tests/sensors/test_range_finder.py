@@ -1,7 +1,5 @@
 """Distances along one ray and in a cone, by geometry."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Victims in a cone, and their healing."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The image of a semantic camera, which only the live view shows."""
 
-from __future__ import annotations
-
 import io
 from types import SimpleNamespace
 from typing import Any, cast

@@ -1,7 +1,5 @@
 """Pressure, temperature, charge and time."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Rotating depth cameras, and aggregated ones: walls at known distances."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

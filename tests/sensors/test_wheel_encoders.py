@@ -1,7 +1,5 @@
 """Angles of wheels against the distance that they roll."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

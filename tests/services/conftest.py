@@ -1,19 +1,14 @@
 """A simulation that the tests of one file share: it is paused, and tests run its ticks."""
 
-from __future__ import annotations
-
 import inspect
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
 from morse.testing.process import SimulationProcess
 from morse.testing.scripts import script_of_function
 from pymorse import Morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
 
 HZ = 60
 

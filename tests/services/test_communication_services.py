@@ -1,7 +1,5 @@
 """The pseudo component ``communication``: distances between robots, and visibility."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.builder import ATRV, Cube, Environment

@@ -1,18 +1,13 @@
 """Commands, ticks and data in one call."""
 
-from __future__ import annotations
-
 import json
 import socket
-from typing import TYPE_CHECKING
 
 import pytest
 
 from morse.builder import ATRV, Environment, MotionVW, Pose, Sick
+from morse.testing.process import SimulationProcess
 from pymorse import Morse, MorseServiceFailed
-
-if TYPE_CHECKING:
-    from morse.testing.process import SimulationProcess
 
 
 def scene() -> None:

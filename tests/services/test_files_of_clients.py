@@ -1,7 +1,5 @@
 """Files that clients create: a full disk, and thousands of recordings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

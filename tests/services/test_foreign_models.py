@@ -1,8 +1,6 @@
 """Clients cannot make the simulation read any file of the disk."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -12,9 +10,6 @@ from morse.core.exceptions import MorseRPCInvokationError
 from morse.services.foreign_models import check_model
 from morse.services.population_services import PopulationServices
 from pymorse import MorseServiceFailed
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture

@@ -1,22 +1,17 @@
 """A client controls the clock: pause, step, resume, reset."""
 
-from __future__ import annotations
-
 import json
 import math
 import socket
 import threading
 import time
-from typing import TYPE_CHECKING
 
 import pytest
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW, Pose
+from morse.testing.process import SimulationProcess
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
-
-if TYPE_CHECKING:
-    from morse.testing.process import SimulationProcess
 
 HZ = 60
 

@@ -1,7 +1,5 @@
 """The services of the pseudo component ``simulation``, called by a client of a running simulation."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

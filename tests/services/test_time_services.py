@@ -1,7 +1,5 @@
 """The services of the pseudo component ``time``."""
 
-from __future__ import annotations
-
 import math
 import time
 

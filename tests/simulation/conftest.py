@@ -1,23 +1,17 @@
 """Simulations in this process: ticked by the test, or running in a separate thread."""
 
-from __future__ import annotations
-
 import textwrap
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 import morse
+from morse.simulation.simulation import Simulation
 from pymorse import Morse
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
-
-    Load = Callable[..., Simulation]
+Load = Callable[..., Simulation]
 
 
 @pytest.fixture

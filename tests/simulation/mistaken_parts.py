@@ -1,10 +1,9 @@
 """Sensors with typical mistakes."""
 
-from __future__ import annotations
-
 import itertools
 import signal
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from morse.core.datastream import AbstractDatastream, DatastreamManager
 from morse.core.declarations import add_data
@@ -12,9 +11,6 @@ from morse.core.modifier import AbstractModifier
 from morse.core.request_manager import RequestManager
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, service
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class Orphan(Sensor):

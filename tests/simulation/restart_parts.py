@@ -1,7 +1,5 @@
 """Components and modifiers of users that record their events."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from morse.core.actuator import Actuator

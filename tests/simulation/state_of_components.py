@@ -1,12 +1,11 @@
 """Scenes with four robots and one component of MORSE on each, as plain names, so that other processes can make them."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import morse
 import morse.builder as builder
@@ -14,9 +13,6 @@ from morse.builder.names import catalog
 from morse.core.actuator import PendingCommands
 from morse.core.declarations import properties
 from morse.verification.contract.contract_world import example
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 PARTS = str(Path(__file__).parent)
 COUNT = 4

@@ -1,7 +1,5 @@
 """Components of users, with attributes of all kinds."""
 
-from __future__ import annotations
-
 import random
 import threading
 from collections import Counter, OrderedDict, defaultdict, deque, namedtuple

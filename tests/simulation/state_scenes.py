@@ -1,7 +1,5 @@
 """Scenes as plain numbers, so that another process can create the same scene, and actions in them."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any

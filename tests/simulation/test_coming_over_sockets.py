@@ -1,15 +1,11 @@
 """Robots are added and removed while clients are connected."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from pymorse import Morse, MorseServiceFailed
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 SCENE = """
     robot = ATRV()

@@ -1,7 +1,5 @@
 """Commands of the process to actuators whose speeds last."""
 
-from __future__ import annotations
-
 import morse
 from morse.builder import ATRV, Environment, MotionVW
 

@@ -1,16 +1,11 @@
 """Two tendons whose lengths an MJCF file couples, in a world whose other bodies have fallen asleep."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
 from morse.builder import Armature, ArmaturePose, Environment, Robot
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: the length of the second tendon is 0.1 m plus half of the change of the first
 MJCF = """<mujoco model="rig"><worldbody><body name="frame" pos="0 0 1"><inertial pos="0 0 0" mass="1"

@@ -1,8 +1,7 @@
 """Tendons and constraints of MJCF files."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -10,9 +9,6 @@ import pytest
 
 import morse
 from morse.builder import Armature, ArmaturePose, Robot
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: masses on rails, a weight on a spring, a loop of four bars, a welded pair, and wrapped ropes
 MJCF = """<mujoco model="gym"><worldbody><body name="frame" pos="0 0 1" euler="0 0 40"><inertial pos="0 0 0" mass="1"

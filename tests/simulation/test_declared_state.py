@@ -1,8 +1,7 @@
 """The state of the components of MORSE is what they declare."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 import state_of_components as components
@@ -11,9 +10,6 @@ from morse.core.declarations import add_state, properties, state_variables
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.state import StateError
 from morse.core.state.attributes import left_out, replace, state_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: attributes that change and follow from the rest: images that are under way, caches, what was drawn last
 _FOLLOWS = frozenset(

@@ -1,17 +1,13 @@
 """The reasons why a simulation cannot keep up."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from morse.core.observer import SHOWN, Observer
 from morse.simulation.ticks.loop import TICKS, Diagnosis
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 BUDGET = 0.016
 

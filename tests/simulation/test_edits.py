@@ -1,7 +1,5 @@
 """The state of saved files."""
 
-from __future__ import annotations
-
 from morse.simulation.watching.edits import Edits
 
 

@@ -1,22 +1,16 @@
 """Robots that fall below the world are named once."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from morse.core.observer import SHOWN
 from morse.simulation.reviews import FallenError
+from morse.simulation.simulation import Simulation
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
-
-    Load = Callable[..., Simulation]
+Load = Callable[..., Simulation]
 
 
 def falls(caplog: pytest.LogCaptureFixture) -> list[str]:

@@ -1,15 +1,14 @@
 """The interface of pymorse for a simulation in the process."""
 
-from __future__ import annotations
-
 import gc
 import re
 import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,9 +17,6 @@ import morse
 from morse.core.exceptions import MorseBuilderError
 from morse.core.validation.spec import CommandError
 from pymorse import MorseServiceFailed, MorseServicePreempted
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 
 def scene() -> None:

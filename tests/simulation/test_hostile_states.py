@@ -1,11 +1,11 @@
 """Damaged and malicious states: refused, with nothing changed and nothing executed."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -17,10 +17,6 @@ from hypothesis import strategies as st
 from effort import examples
 from morse.core.state import StateError
 from morse.simulation.states.state import State
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 PLAN = {"robots": [True], "things": 1, "scan": False, "seed": 5}
 PART = "robot.everything"

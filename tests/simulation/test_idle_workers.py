@@ -1,7 +1,5 @@
 """Threads of executors that have nothing to do do not hold up the end of a process, and are not reported."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time

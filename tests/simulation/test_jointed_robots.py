@@ -1,16 +1,11 @@
 """Robots with dynamic joints in a simulation: saved, restored, reset, spawned, deleted, repeated to the bit."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
 from morse.builder import Armature, ArmaturePose, Robot
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ROBOT = """<robot name="crane">
   <link name="base"><inertial><mass value="30"/></inertial>

@@ -1,9 +1,9 @@
 """The journal is one sequence of inputs with outcomes; a replay stops at the entry that does not fit."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -21,14 +21,9 @@ from morse.recording.recording import Recording
 from morse.simulation import population
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, entry_to_bytes
 from morse.simulation.recordings.timeline import SimulatedTimeline
+from morse.simulation.simulation import Simulation
 from morse.simulation.states.state import State
 from morse.verification.resimulation import resimulate
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 SCRIPT = """
 from morse.builder import *

@@ -1,11 +1,10 @@
 """Joints of files that move in several directions: balls, planar and floating ones."""
 
-from __future__ import annotations
-
 import itertools
 import logging
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,9 +13,6 @@ from morse.assets.mjcf import read_mjcf
 from morse.assets.urdf import read_urdf
 from morse.builder import Armature, ArmaturePose, Robot
 from morse.scene import JointKind, PhysicsType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MASS, LENGTH, INERTIA, SLOPE = 2.0, 0.5, 0.01, 0.3
 TENSOR = f'<inertia ixx="{INERTIA}" iyy="{INERTIA}" izz="{INERTIA}" ixy="0" ixz="0" iyz="0"/>'

@@ -1,10 +1,9 @@
 """Typical mistakes in components: the messages name the mistake and the remedy, and the simulation can be ended."""
 
-from __future__ import annotations
-
 import signal
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import mistaken_parts
 import pytest
@@ -14,9 +13,6 @@ from morse.builder import ATRV, Environment, Pose
 from morse.builder.creator import SensorCreator
 from morse.launch import stuck_ticks
 from morse.simulation.loader import LoadError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @pytest.fixture(autouse=True)

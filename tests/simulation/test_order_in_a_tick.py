@@ -1,17 +1,12 @@
 """What happens first at one simulated time. The order is that of MORSE 1.4."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from morse.core.request_manager import RequestManager
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 TWO = """
 robot = FakeRobot()

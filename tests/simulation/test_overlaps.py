@@ -1,7 +1,5 @@
 """Objects that overlap at the start are named once."""
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 

@@ -1,9 +1,8 @@
 """Random sequences of everything that may happen to a simulation: the recorded run is the same again."""
 
-from __future__ import annotations
-
 import contextlib
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -15,13 +14,9 @@ from morse.builder import ATRV, Arucomarker, Environment, Human, Keyboard, Morsy
 from morse.core.exceptions import MorseError
 from morse.recording.recording import Recording
 from morse.simulation import population
+from morse.simulation.simulation import Simulation
 from morse.verification.resimulation import repeat
 from pymorse.errors import MorseServiceFailed
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 pytestmark = pytest.mark.long
 

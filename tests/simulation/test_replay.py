@@ -1,8 +1,7 @@
 """A run is determined by its scene, its seed and its inputs: its replay is bit-identical."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -13,11 +12,7 @@ from effort import examples
 from morse.builder import ATRV, Environment, Keyboard, Morsy, MotionVW, PassiveObject, Pose, Teleport
 from morse.core.state import StateError
 from morse.simulation.recordings.input_recording import InputRecording
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 
 def scene() -> None:

@@ -1,18 +1,14 @@
 """A restart: what is created again, what ends, and what is kept."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 import restart_parts as parts
 
 from morse.simulation.loader import LoadError
 from pymorse import MorseServiceFailed, MorseServicePreempted
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 SCENE = """
     from morse.builder.creator import ActuatorCreator, SensorCreator

@@ -1,9 +1,9 @@
 """Everything that determines the future is saved, and restored bit by bit."""
 
-from __future__ import annotations
-
 import multiprocessing
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,10 +16,6 @@ import morse
 from effort import examples
 from morse.builder import Environment, Human
 from morse.core.state import StateError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 PLANS = st.fixed_dictionaries(
     {

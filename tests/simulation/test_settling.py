@@ -1,21 +1,15 @@
 """A robot that the script placed above the floor is at rest in the first message of a run."""
 
-from __future__ import annotations
-
 import json
 import socket
 import threading
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
+from morse.simulation.simulation import Simulation
 from pymorse import Morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.simulation.simulation import Simulation
 
 SCENE = """
 robot = SegwayRMP400()

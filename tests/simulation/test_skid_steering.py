@@ -1,16 +1,11 @@
 """Robots that turn on the spot by wheels that slide sideways: the moments of friction are in balance."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TRACK = 0.5
 BASE = """<link name="base"><inertial><mass value="20"/>

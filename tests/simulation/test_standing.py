@@ -1,10 +1,8 @@
 """Bodies stand where a scene puts them; those that overlap part slowly."""
 
-from __future__ import annotations
-
 import logging
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -12,9 +10,6 @@ import trimesh
 
 import morse
 from morse.builder import PassiveObject
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 DATA = Path(morse.__file__).parent / "data"
 WORLDS = sorted(

@@ -1,11 +1,10 @@
 """The hash of a state is equal wherever the future is equal, and differs where the future differs."""
 
-from __future__ import annotations
-
 import contextlib
 import multiprocessing
 import pickle
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 import state_of_components as components
@@ -14,9 +13,6 @@ import morse
 from morse.simulation.recordings.input_recording import InputRecorder
 from morse.simulation.recordings.replaying import Replay
 from morse.simulation.states.state import State
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: components with a state of their own, some of which act in groups
 SHORT = ("IMU", "MotionVW", "Odometry", "Waypoint", "PTU")

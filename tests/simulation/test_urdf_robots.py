@@ -1,15 +1,10 @@
 """Robots from URDF files that drive on wheels with motors, and whose arms have no masses if the script wants it."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 WHEEL = """<link name="{side}_wheel"><inertial><mass value="0.5"/>
     <inertia ixx="0.001" iyy="0.002" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>

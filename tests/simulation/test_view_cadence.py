@@ -1,23 +1,18 @@
 """The update rates of the live view, with a clock that the test controls."""
 
-from __future__ import annotations
-
 import math
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
+from morse.simulation.simulation import Simulation
 from morse.viewer.hub import Wishes
 from morse.viewer.live_view import View
+from morse.viewer.snapshot import Snapshot
 from morse.viewer.view_messages import Rays
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
-    from morse.viewer.snapshot import Snapshot
 
 SCENE = """
 robot = ATRV()

@@ -1,19 +1,14 @@
 """Properties that are shown while the simulation runs."""
 
-from __future__ import annotations
-
 import time
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from morse.viewer.feeds.components import ViewDebug
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.viewer.view_messages import DebugProperties
+from morse.viewer.view_messages import DebugProperties
 
 SCENE = """
 from morse.builder.creator import SensorCreator

@@ -1,14 +1,13 @@
 """The data that a simulation sends to pages: its log, its viewpoint, data of any kind."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import json
 import logging
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +18,6 @@ from morse.viewer.feeds.components import shown
 from morse.viewer.feeds.log import KEPT, printable
 from morse.viewer.live_view import View
 from morse.viewer.protocol import VERSION
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 SCENE = """
 robot = ATRV()

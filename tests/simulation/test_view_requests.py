@@ -1,10 +1,9 @@
 """Requests of the driving page to components."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -17,9 +16,6 @@ from morse.viewer.page_inputs import Commands, ServiceCalls
 from morse.viewer.page_messages import ViewEvent
 from morse.viewer.protocol import page_message_types
 from morse.viewer.view_messages import Activity, Answer, Capturing, PropertyValue, Refused
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 SCENE = """
 from morse.builder.creator import SensorCreator

@@ -1,7 +1,5 @@
 """Sensors that measure when they are read, and actuators whose speeds last: nobody notices which components act."""
 
-from __future__ import annotations
-
 import copy
 import json
 import logging

@@ -1,24 +1,19 @@
 """The file of a component is saved while the simulation runs."""
 
-from __future__ import annotations
-
 import json
 import select
 import socket
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from watched import Project
 
 from morse.core.journal import EDIT
 from morse.core.state import StateError
+from morse.simulation.simulation import Simulation
 from tests.waiting import step_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 COUNTER = """
     from morse.core.sensor import Sensor

@@ -1,17 +1,12 @@
 """Detection of saved files."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.simulation.watching.classes import to_renew
 from morse.simulation.watching.edits import SavedFiles
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture

@@ -1,13 +1,12 @@
 """A model is saved while the simulation runs."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
 import textwrap
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from watched import DATA, Project
@@ -15,14 +14,9 @@ from watched import DATA, Project
 from morse.core.journal import EDIT
 from morse.physics.objects.removed_object import RemovedError
 from morse.scene import PhysicsType
+from morse.simulation.simulation import Simulation
 from morse.simulation.watching.watch import Watch
 from tests.waiting import step_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 SCENE = """
     robot = GroundRobot("mine.blend")

@@ -1,7 +1,5 @@
 """Robots with wheels do not disturb each other by wrong commands."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Components of users, for the tests of the live view."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

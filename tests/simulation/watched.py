@@ -1,17 +1,12 @@
 """A project in a folder whose files are edited while it is simulated."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import textwrap
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import morse
-
-if TYPE_CHECKING:
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 DATA = Path(morse.__file__).parent / "data"
 #: timeout, wall-clock seconds

@@ -1,24 +1,19 @@
 """Scripts, components and clients of old users, run as they were written for 1.4."""
 
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from morse.assets import search
 from morse.builder import workspace
 from morse.builder.script import load_scene
+from morse.scene import Scene
 from morse.simulation.options import RunOptions
 from morse.testing.process import SimulationProcess
 from pymorse import Morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from morse.scene import Scene
 
 
 class Running:

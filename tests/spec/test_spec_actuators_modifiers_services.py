@@ -1,7 +1,5 @@
 """Actuators, modifiers, overlays, levels and services that were written for 1.4."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

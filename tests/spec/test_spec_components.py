@@ -1,7 +1,5 @@
 """Components written for 1.4: the names of the scene, their robot and other components."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

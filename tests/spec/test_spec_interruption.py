@@ -1,17 +1,12 @@
 """Ctrl+C ends a simulation cleanly at any time."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="a console sends Ctrl+C in another way there")
 

@@ -1,7 +1,5 @@
 """Names of components in a scene script, as in 1.4."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.builder.errors import ScriptError

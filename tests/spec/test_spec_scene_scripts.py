@@ -1,15 +1,10 @@
 """What scene scripts of 1.4 write: imports of the builder, and interfaces of components made of others."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.scene import Scene
+from morse.scene import Scene
 
 MODULES = ("actuators", "sensors", "blenderobjects", "robots", "creator", "abstractcomponent", "morsebuilder")
 

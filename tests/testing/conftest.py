@@ -1,14 +1,8 @@
-from __future__ import annotations
-
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 SOURCE = Path(__file__).parents[2] / "src"
 

@@ -1,7 +1,5 @@
 """Tests of simulations whose parts fail: they fail unless they say that they expect it, and their runs are recorded."""
 
-from __future__ import annotations
-
 import textwrap
 from pathlib import Path
 from typing import Any

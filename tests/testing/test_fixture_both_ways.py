@@ -1,7 +1,5 @@
 """The same test, over sockets and in the process of the test."""
 
-from __future__ import annotations
-
 import textwrap
 from pathlib import Path
 from typing import Any

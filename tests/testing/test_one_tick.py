@@ -1,17 +1,11 @@
 """Latencies of commands and messages."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
 from morse.builder import *  # noqa: F403
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from pymorse import Morse
+from pymorse import Morse
 
 TICK = 1.0 / 60.0
 

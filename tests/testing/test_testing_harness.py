@@ -1,24 +1,18 @@
 """Test files in the style of 1.4, run by a real simulation."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
 import textwrap
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from morse.builder import *  # noqa: F403
 from morse.testing.exceptions import MorseTestingError
 from morse.testing.testing import MorseMoveTestCase, MorseSwitchTimeMode, main
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from pymorse import Morse
+from pymorse import Morse
 
 pytestmark = pytest.mark.long
 

@@ -1,14 +1,9 @@
-from __future__ import annotations
-
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.testing.follow import LogWatch, follow
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_lines_are_followed_as_they_are_written(tmp_path: Path) -> None:

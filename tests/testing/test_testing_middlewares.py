@@ -1,11 +1,10 @@
 """Test cases with a middleware: its server runs during the test, and a missing server is reported."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -13,10 +12,6 @@ from morse.testing.exceptions import MorseTestingError
 from morse.testing.moos import MOOSTestCase
 from morse.testing.process import Daemon
 from morse.testing.ros import RosTestCase
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 SERVER = """
 port = int(re.search(r"[0-9]+$", sys.argv[-1])[0])

@@ -1,20 +1,15 @@
 """Start, failure and end of simulations; with a replacement for the simulator."""
 
-from __future__ import annotations
-
 import socket
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from morse.testing.exceptions import MorseTestingError
 from morse.testing.process import SimulationProcess, preferred_port
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    Install = Callable[[str], None]
+Install = Callable[[str], None]
 
 SERVES = """
 print("PID:", os.getpid(), flush=True)

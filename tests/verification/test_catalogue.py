@@ -5,8 +5,6 @@ repeated in another simulation, and goes on there past its end; a state of it go
 are read from the catalogue: a class that is added is tested without a line here.
 """
 
-from __future__ import annotations
-
 import contextlib
 import inspect
 import json
@@ -14,7 +12,9 @@ import logging
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -27,15 +27,10 @@ from morse.core.declarations import levels
 from morse.core.sensor import Sensor
 from morse.recording.recording import Recording
 from morse.simulation.loader import LoadError
+from morse.simulation.simulation import Simulation
 from morse.verification.contract.contract_world import CARRIERS, HOLDERS, example
 from morse.verification.contract.subjects import library, subjects
 from morse.verification.resimulation import repeat
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from morse.simulation.simulation import Simulation
 
 pytestmark = pytest.mark.long
 #: variants in one scene

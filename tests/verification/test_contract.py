@@ -1,8 +1,6 @@
 """The check of the contract: the whole library follows it, and violations are reported with their position."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from contract_breakers import BREAKERS, BRITTLE_ACTUATOR, SOUND
@@ -11,9 +9,6 @@ from morse.cli.app import execute
 from morse.verification.contract import SubjectError, check_component
 from morse.verification.contract.check import FITS, LOADS, RULES, SAVED
 from morse.verification.contract.subjects import library
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

@@ -1,9 +1,7 @@
 """The same scene, seed and inputs give bit-identical results."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 import verification_scenes as scenes
@@ -12,9 +10,6 @@ from morse.simulation.options import RunOptions
 from morse.testing.process import SimulationProcess
 from morse.verification.verify import verify
 from pymorse import Morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.long
 

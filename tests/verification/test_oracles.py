@@ -1,7 +1,5 @@
 """The bits of demos, recipes and topics are those of the file; `python -m tools oracles` writes it."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`tools reach` judges small files whose answers are known."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import sys

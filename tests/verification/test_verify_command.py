@@ -1,23 +1,19 @@
 """`morse verify` names differences."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from morse.cli.app import execute
 from morse.simulation.options import RunOptions
 from morse.verification.verify import Difference, ReplayError, verify
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 pytestmark = pytest.mark.long
 

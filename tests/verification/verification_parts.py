@@ -1,7 +1,5 @@
 """Components of users: some are repeatable, some are not."""
 
-from __future__ import annotations
-
 import random
 import time
 from typing import Any

@@ -1,7 +1,5 @@
 """Worlds with many events that might not be repeatable."""
 
-from __future__ import annotations
-
 #: robots that drive randomly through heaps of boxes and into each other; lasers and noise
 CROWD = """
 from morse.builder import *

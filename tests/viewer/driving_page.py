@@ -1,26 +1,21 @@
 """A page on the protocol level, and its simulation."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 from urllib.parse import urlsplit
 
 import msgspec
 from websockets.sync.client import connect
 
 from morse.core.observer import Observer
+from morse.simulation.simulation import Simulation
 from morse.viewer import page_messages as page
 from morse.viewer.protocol import VERSION
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.simulation.simulation import Simulation
 
 LIMIT = 60.0
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from shared_page import SharedPage
@@ -10,16 +11,13 @@ from view_worlds import playground
 
 from morse.scene import Scene
 from morse.viewer.hub import Wishes
+from morse.viewer.server import ViewServer
+from morse.viewer.snapshot import MovingNode
 from morse.viewer.view_messages import Tree
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from playwright.sync_api import Page
-
-    from morse.viewer.server import ViewServer
-    from morse.viewer.snapshot import MovingNode
 
 
 class SharedView:

@@ -1,7 +1,5 @@
 """One page drives; its keys are released when it disconnects."""
 
-from __future__ import annotations
-
 from morse.viewer.page import DEAD_MAN, ControlLock
 
 UP, LEFT = frozenset({"ArrowUp"}), frozenset({"ArrowLeft"})

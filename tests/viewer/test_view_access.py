@@ -1,7 +1,5 @@
 """Access to the live view."""
 
-from __future__ import annotations
-
 import pytest
 from view_pages import Client, fetch
 from websockets.exceptions import InvalidStatus

@@ -1,7 +1,5 @@
 """The build of the page, as a part of the build of the package."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import subprocess

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
+from shared_views import SharedScenes
 from view_worlds import playground
 
 from morse.core.image_colors import as_colors, as_heat, depth_levels
 from morse.viewer.description import ComponentDescription, FieldDescription, PropertyDescription
 from morse.viewer.feeds.sensors import as_jpeg, rim
+from morse.viewer.server import ViewServer
 from morse.viewer.view_messages import (
     Cloud,
     Frustum,
@@ -25,9 +27,7 @@ from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
-    from shared_views import SharedScenes
 
-    from morse.viewer.server import ViewServer
 
 pytestmark = pytest.mark.browser
 

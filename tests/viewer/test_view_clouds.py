@@ -1,7 +1,5 @@
 """Clouds of depth cameras, as pages receive them."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,10 +1,9 @@
 """Pages and strangers in large numbers: connections, messages, requests without an answer."""
 
-from __future__ import annotations
-
 import socket
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from view_pages import Client, fetch, port_of
@@ -19,9 +18,6 @@ from morse.viewer.page_inputs import ServiceCalls
 from morse.viewer.page_messages import CallService, Pause
 from morse.viewer.view_messages import Answer
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 def test_silent_connections_do_not_keep_pages_out(served, monkeypatch, caplog) -> None:

@@ -1,7 +1,5 @@
 """The page shows what a script wants to be shown."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -12,16 +14,13 @@ from websockets.exceptions import InvalidStatus
 import morse
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
+from morse.simulation.simulation import Simulation
 from morse.viewer.editor import Catalog
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
     from playwright.sync_api import Page
 
-    from morse.simulation.simulation import Simulation
 
 SCENE = """from morse.builder import *
 

@@ -1,7 +1,5 @@
 """The fields of view of cameras, as pages are told."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any

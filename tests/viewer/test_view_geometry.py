@@ -1,7 +1,5 @@
 """Meshes and scenes in the format for pages."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,7 +1,5 @@
 """States that the page can restore."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

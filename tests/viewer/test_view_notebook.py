@@ -1,7 +1,5 @@
 """The page in a frame of a notebook."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import threading

@@ -1,7 +1,5 @@
 """Camera images, sent to pages."""
 
-from __future__ import annotations
-
 import io
 import zlib
 from typing import Any, cast

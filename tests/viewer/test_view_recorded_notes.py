@@ -1,10 +1,8 @@
 """Panels of a recorded run: fields from messages of ROS, commands, and notes about what is not in the recording."""
 
-from __future__ import annotations
-
 import contextlib
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from view_pages import Client
@@ -13,9 +11,7 @@ import morse
 from morse.builder import ATRV
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from morse.viewer.replay_view import ReplayView
+from morse.viewer.replay_view import ReplayView
 
 SCENE = """
 from morse.builder import *

@@ -1,8 +1,7 @@
 """What cameras saw in a recorded run, on the page of the replay."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +10,6 @@ import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
 from morse.viewer.feeds.recorded import RecordedPicturesFeed
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,10 +1,10 @@
 """Data of sensors on the page of a recorded run: those of the recording, at the position of the time line."""
 
-from __future__ import annotations
-
 import contextlib
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 from view_pages import Client
@@ -12,12 +12,7 @@ from view_pages import Client
 import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.viewer.replay_view import ReplayView
+from morse.viewer.replay_view import ReplayView
 
 SCENE = """
 from morse.builder import *

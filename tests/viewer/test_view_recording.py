@@ -1,7 +1,5 @@
 """Recording a run from the page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

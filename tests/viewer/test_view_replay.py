@@ -1,11 +1,11 @@
 """A recorded run on the page: jump, drag, play, backward; it cannot be changed."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from view_pages import Client
@@ -13,13 +13,8 @@ from view_pages import Client
 import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
+from morse.viewer.replay_view import ReplayView
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from morse.viewer.replay_view import ReplayView
 
 SCENE = """
 from morse.builder import *

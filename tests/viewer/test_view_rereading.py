@@ -1,9 +1,8 @@
 """F11 reloads an edited scene script."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from view_pages import Client
@@ -11,10 +10,6 @@ from view_pages import Client
 from morse.testing.process import SimulationProcess
 from pymorse import Morse
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

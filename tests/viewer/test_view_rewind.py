@@ -1,18 +1,13 @@
 """The page goes back in time: with a running simulation, and a page on the protocol level."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from driving_page import DrivingPage
 
 import morse
 from morse.viewer import page_messages as page
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

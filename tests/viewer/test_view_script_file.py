@@ -1,7 +1,5 @@
 """The script is saved as a whole or not at all, through links, and never over the work of others."""
 
-from __future__ import annotations
-
 import errno
 import os
 import resource

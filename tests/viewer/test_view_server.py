@@ -1,7 +1,5 @@
 """The server between a simulation and its pages."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math

@@ -1,11 +1,10 @@
 """What loudspeakers of robots play, on the page."""
 
-from __future__ import annotations
-
 import io
 import math
 import wave
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +14,6 @@ import morse
 from morse.viewer.feeds.sensors import SoundsFeed, read_sound
 from morse.viewer.view_messages import SoundState
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 RATE = 8000
 

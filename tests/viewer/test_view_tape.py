@@ -1,7 +1,5 @@
 """`morse export --html`: a recorded run as one file."""
 
-from __future__ import annotations
-
 import gzip
 import itertools
 import json

@@ -1,7 +1,5 @@
 """The title of a page is the name of the project."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.viewer.live_view import title_of

@@ -1,20 +1,15 @@
 """Messages to a page when files are saved while the simulation runs."""
 
-from __future__ import annotations
-
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from driving_page import DrivingPage
 
 import morse
 from morse.viewer import page_messages as page
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 DATA = Path(morse.__file__).parent / "data"
 COMPONENT = """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from morse.viewer.page_messages import (
     Step,
     Teleport,
 )
+from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot
 from morse.viewer.view_messages import (
     Activity,
@@ -40,10 +41,6 @@ from morse.viewer.view_messages import (
     Values,
 )
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from morse.viewer.server import ViewServer
-    from morse.viewer.snapshot import MovingNode
 
 TICK = 1.0 / 60.0
 

@@ -1,7 +1,5 @@
 """Worlds for the tests of the live view."""
 
-from __future__ import annotations
-
 import io
 import math
 

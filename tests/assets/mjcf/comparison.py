@@ -1,19 +1,14 @@
 """Compares the motion of an MJCF file in MORSE and in plain MuJoCo: same file, same step, same commands."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
 import morse
 from morse.scene.mjcf import name_all
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCRIPT = """
 from morse.builder import *

@@ -3,8 +3,6 @@
 With MORSE_TEST_ROBOT_FILES, a folder with models of others, every file there is compared.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

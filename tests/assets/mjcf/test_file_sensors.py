@@ -1,16 +1,11 @@
 """Cameras and sensors of MJCF files."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """<mujoco model="eye"><worldbody><body name="head" pos="0 0 1"><geom size="0.1"/><site name="here"/>
   <camera name="left" pos="0.2 0 0"/><camera name="right" pos="0.2 0 0"/></body></worldbody>

@@ -1,10 +1,8 @@
 """Height fields of MJCF files: contacts, rays, triangles; of a terrain and of a robot."""
 
-from __future__ import annotations
-
 import struct
 import zlib
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -13,9 +11,6 @@ import pytest
 import morse
 from morse.assets.mjcf import read_mjcf
 from morse.scene import ShapeKind
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ROWS, COLUMNS, HALF_X, HALF_Y, TOP = 17, 25, 6.0, 4.0, 1.5
 #: an inclined plane, whose upper end is higher than half of the top, and a step at the end of the rows

@@ -1,9 +1,7 @@
 """Robots from MJCF files: links where the engine itself puts them, motors, masses, shapes and contacts."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -16,9 +14,6 @@ from morse.assets.mjcf import read_mjcf
 from morse.mathutils.light import linear_light
 from morse.physics import World
 from morse.scene import Control, JointKind, PhysicsType, Scene, ShapeKind
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """
 <mujoco model="crab">

@@ -1,16 +1,11 @@
 """MJCF files that are broken or that want to do harm are refused, with the reason."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from morse.assets.errors import AssetError
 from morse.assets.mjcf import read_mjcf
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 BODY = '<body name="a"><joint name="j"/><geom size="0.1"/></body>'
 

@@ -1,8 +1,6 @@
 """MJCF files that earlier versions of MuJoCo read."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import mujoco
 import pytest
@@ -10,9 +8,6 @@ import pytest
 from morse.assets.errors import AssetError
 from morse.assets.mjcf import read_mjcf
 from morse.assets.mjcf.source import Source
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 GLOBAL = """<mujoco><compiler coordinate="global" angle="degree"/><worldbody>
 <body name="torso" pos="0.1 0 1.25"><joint type="slide" axis="1 0 0" pos="0 0 0"/><joint axis="0 1 0" pos="0.1 0 1.25"/>

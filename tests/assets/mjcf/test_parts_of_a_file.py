@@ -1,14 +1,9 @@
 """What joins the bodies of an MJCF file that become different objects, and its floor, works as in plain MuJoCo."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from comparison import compare
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FLOOR = '<geom name="floor" type="plane" size="3 3 1"/>'
 UNSEEN = 'contype="0" conaffinity="0"'

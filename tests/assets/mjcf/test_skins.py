@@ -1,20 +1,15 @@
 """Skins of MJCF files are drawn in pieces that move with the bodies; damaged ones are left out."""
 
-from __future__ import annotations
-
 import math
 import struct
 import time
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import morse
 from morse.assets.mjcf import read_mjcf
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: a strip from x = 0 to x = 2 at z = 1 over two links of 1 m; the vertices beside the joint follow both
 VERTICES = [(x, y, 1.0) for x in (0.0, 0.95, 1.05, 2.0) for y in (-0.1, 0.1)]

@@ -1,7 +1,5 @@
 """Materials and textures of MJCF files are drawn."""
 
-from __future__ import annotations
-
 import io
 import re
 

@@ -1,13 +1,8 @@
 """Poses of the links of an SDF file, computed from its elements alone, for comparison."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from xml.etree import ElementTree
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from xml.etree import ElementTree
 
 Pose = np.ndarray
 

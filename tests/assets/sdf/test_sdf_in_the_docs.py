@@ -1,7 +1,5 @@
 """The lines for SDF files in the chapter on models work as they stand there."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Models from SDF files: poses of links against kinematics of the test, joints, masses."""
 
-from __future__ import annotations
-
 import math
 from xml.etree import ElementTree
 

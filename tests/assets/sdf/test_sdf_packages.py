@@ -1,7 +1,5 @@
 """The SDF files of other packages load with every joint, and their links are where they should be."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 from xml.etree import ElementTree

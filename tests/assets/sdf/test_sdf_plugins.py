@@ -1,7 +1,5 @@
 """Plugins of SDF files become actuators: they drive, fly and lift as their formulas say."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Worlds from SDF files: includes, lights, terrain, materials, and that they stand still."""
 
-from __future__ import annotations
-
 import math
 import os
 

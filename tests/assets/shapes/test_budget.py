@@ -1,7 +1,5 @@
 """Few shapes for meshes that move."""
 
-from __future__ import annotations
-
 import sys
 import types
 

@@ -1,7 +1,5 @@
 """Robots drive as commanded, with wheels and casters as their makers describe them."""
 
-from __future__ import annotations
-
 import logging
 import math
 from math import pi

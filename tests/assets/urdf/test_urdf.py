@@ -1,9 +1,7 @@
 """Robots from URDF files: the poses of links, and invalid files."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +12,6 @@ from morse.assets import find, load
 from morse.assets.errors import AssetError
 from morse.assets.urdf import read_urdf
 from morse.scene import Bounds, JointKind, NodeKind, PhysicsType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ARM = """<robot name="planar">
   <material name="blue"><color rgba="0 0 1 1"/></material>

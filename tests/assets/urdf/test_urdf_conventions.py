@@ -1,9 +1,7 @@
 """What URDF files of ROS packages contain besides links and joints: package names, substitutions, macros."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +14,6 @@ from morse.assets.urdf import read_urdf
 from morse.builder import Environment, Pose, Robot
 from morse.mathutils import Vector
 from morse.scene import PhysicsType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ROBOT = """<robot name="crane"><link name="base"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0"
   ixz="0" iyz="0"/></inertial><visual><geometry><mesh filename="package://crane_description/meshes/box.stl"/></geometry></visual>

@@ -1,7 +1,5 @@
 """Plugins of URDF files become actuators and sensors, with the topics of the file; wheels are found without plugins."""
 
-from __future__ import annotations
-
 import math
 from math import pi
 

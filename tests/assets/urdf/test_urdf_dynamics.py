@@ -1,9 +1,7 @@
 """Masses, friction and limits of URDF files."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +9,6 @@ import pytest
 from morse.assets.errors import AssetError
 from morse.assets.urdf import read_urdf
 from morse.scene import PhysicsType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 JOINT = """<joint name="j" type="revolute"><parent link="a"/><child link="b"/><limit lower="-1" upper="2" effort="{e}"
 velocity="{v}"/><dynamics damping="0.3" friction="0.1"/></joint>"""

@@ -1,9 +1,7 @@
 """Sensors that URDF files declare become components."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +9,6 @@ import pytest
 import morse
 from morse.assets.urdf import read_urdf
 from morse.core.kinds import bind
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ROBOT = """<robot name="scout">
   <link name="base"><inertial><mass value="9"/></inertial>

@@ -1,7 +1,5 @@
 """MQTT with a real Mosquitto, which is stopped and restarted, and clients in another process."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -10,18 +8,16 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 import morse
 from morse.core.exceptions import MorseError
 from tests.waiting import step_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[2] / "docs"

@@ -1,19 +1,15 @@
 """Brokers that send something else than MQTT, packets without end, or messages that they never complete."""
 
-from __future__ import annotations
-
 import socket
 import struct
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytest.importorskip("paho.mqtt")
 

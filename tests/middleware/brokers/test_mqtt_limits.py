@@ -1,7 +1,5 @@
 """What a broker may send (MQTT 3.1.1): packets of a limited size, and a limited number of messages with QoS 2."""
 
-from __future__ import annotations
-
 import struct
 
 import pytest

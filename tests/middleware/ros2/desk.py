@@ -1,14 +1,10 @@
 """A backend that stores messages; they are decoded by rosbags, which is independent of MORSE."""
 
-from __future__ import annotations
-
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from morse.rosmsgs.table import Qos
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
-
-if TYPE_CHECKING:
-    from morse.rosmsgs.table import Qos
 
 
 class DeskPublisher(Publisher):

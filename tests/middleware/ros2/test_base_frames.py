@@ -1,17 +1,12 @@
 """The frames of a robot whose file has the layout of mobile bases: base_footprint carries base_link."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import morse
 from morse.rosmsgs.moving import joints_of
 from morse.rosmsgs.names import Names
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 INERTIA = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
 LINK = '<link name="{}"><inertial><mass value="1"/>' + INERTIA + "</inertial></link>"

@@ -1,18 +1,14 @@
 """Messages of sensors are made beside the ticks in a paced run, and are the same as those made in the ticks."""
 
-from __future__ import annotations
-
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from desk import Desk, DeskPublisher
 
 import morse
 from morse.builder import ATRV, IMU, Environment, MotionVW, Odometry, Pose
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROBOTS, TICKS = 5, 12
 

@@ -1,8 +1,6 @@
 """Messages that are encoded together have the bytes of those that are encoded one by one."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,11 +12,8 @@ from morse.core.kinds.turning import quaternion_of
 from morse.mathutils.rotation_rows import quaternions_from_rotations, quaternions_of
 from morse.mathutils.rotations import quaternion_from_rotation, rotation_from_euler
 from morse.rosmsgs.cdr import encode, encode_rows
-from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of, messages
+from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, MessageField, fields_of, messages
 from morse.rosmsgs.parts import quaternion
-
-if TYPE_CHECKING:
-    from morse.rosmsgs.definitions import MessageField
 
 _COUNT = 3
 _angles = st.floats(-7.0, 7.0, width=32)

@@ -1,16 +1,11 @@
 """``robot_description`` of a robot from a URDF file is this file."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 from test_base_frames import JOINT, LAYOUTS, LINK
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 WHEEL = """<joint name="spin" type="continuous"><parent link="base_link"/><child link="wheel"/><axis xyz="0 1 0"/>
 <limit effort="7" velocity="9"/></joint>"""

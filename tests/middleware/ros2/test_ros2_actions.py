@@ -1,19 +1,14 @@
 """Actions and services with their own types, called by a real node in another process."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from other_side import DOMAIN, PYTHON, has, lent, need, talk
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 OVERLAY = """
 from std_srvs.srv import SetBool

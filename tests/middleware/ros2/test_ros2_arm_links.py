@@ -1,22 +1,17 @@
 """Links of arms and of robots from files as frames: names of the file, poses of forward kinematics."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from desk import Desk
 from test_ros2_robots import about, frames, from_rpy, numbers, rotation
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from desk import Desk
-
-    Start = Callable[..., tuple[Any, Desk]]
+Start = Callable[..., tuple[Any, Desk]]
 
 INERTIAL = '<inertial><mass value="1"/></inertial>'
 #: a column that turns, a boom that is raised, a trolley that slides along it, with a lamp at a fixed place; and a hand

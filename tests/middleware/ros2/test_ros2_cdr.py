@@ -1,7 +1,5 @@
 """Encoded messages, compared with the definitions and the decoder of the rosbags package."""
 
-from __future__ import annotations
-
 import contextlib
 from typing import Any
 

@@ -1,17 +1,13 @@
 """Once around the compass: all that says where north is agrees, in every message, with the default settings."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from morse.helpers.geodesy import LocalPlane
 from morse.sensors.magnetometer import DEFAULT_YEAR, MagneticField
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 PLACE = {"longitude": 7.6, "latitude": 46.9, "altitude": 540.0}
 PARTS = """

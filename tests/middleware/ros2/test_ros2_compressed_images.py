@@ -4,12 +4,11 @@ The decoders are those of compressed_image_transport and compressed_depth_image_
 the place of OpenCV, whose decoded colours are blue, green, red.
 """
 
-from __future__ import annotations
-
 import io
 import struct
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +18,6 @@ from PIL import Image
 
 from effort import examples
 from morse.rosmsgs.kinds.vision import compressed_outlet
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 COLOURS = {"red": (200, 0, 0), "green": (0, 200, 0), "blue": (0, 0, 200)}
 #: channels of red, green and blue in an encoding

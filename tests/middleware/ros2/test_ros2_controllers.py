@@ -1,19 +1,15 @@
 """Commands of the controllers of ros2_control and of planners for cars."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from morse.actuators.ackermann import MotionVWAckermann
 from morse.rosmsgs import cdr
 from morse.rosmsgs.kinds import Ros2Topics
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 JOINTS = [f"kuka_{number}" for number in range(1, 8)]
 ARM = "arm = KukaLWR('arm'); robot.append(arm); pose = ArmaturePose('pose'); arm.append(pose)"

@@ -1,19 +1,14 @@
 """Covariances are those of the errors that a scene declares: compared with the errors of many sensors."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
+from desk import Desk
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from desk import Desk
-
-    Start = Callable[..., tuple[Any, Desk]]
+Start = Callable[..., tuple[Any, Desk]]
 
 MANY = 80
 PATHS = """

@@ -1,11 +1,7 @@
 """The state of components on /diagnostics, decoded by rosbags."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from collections.abc import Callable
+from typing import Any
 
 PARTS = """
 robot.append(Pose('pose'))

@@ -1,7 +1,5 @@
 """Nodes with the default settings of ROS find the simulation, whichever starts first."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time

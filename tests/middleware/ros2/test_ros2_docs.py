@@ -1,7 +1,5 @@
 """The scene and the node of the documentation."""
 
-from __future__ import annotations
-
 import subprocess
 import time
 from pathlib import Path

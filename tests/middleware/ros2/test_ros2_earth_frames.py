@@ -1,18 +1,14 @@
 """Frames of messages in the axes of the earth are in the tree of frames."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotations import rotation_from_quaternion
 from morse.mathutils.rotations import turn as rotated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: the X axis of the world points north
 NORTH = "env.properties(longitude=1.4, latitude=43.6, altitude=100.0, angle_against_north=1.5707963267948966)"

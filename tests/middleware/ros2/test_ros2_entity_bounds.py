@@ -1,22 +1,16 @@
 """Bounds, tags and named poses of simulation_interfaces, on a backend with calls of the test."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
-from test_ros2_simulation_interfaces import ALL, NOT_FOUND, OK, UNSUPPORTED, caller_of, pose, spawn
+from desk import Desk
+from test_ros2_simulation_interfaces import ALL, NOT_FOUND, OK, UNSUPPORTED, Caller, caller_of, pose, spawn
 
 from morse.scene.body import CollisionShape, ShapeKind
 from morse.scene.extent import box_around
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from desk import Desk
-    from test_ros2_simulation_interfaces import Caller
 
 FAILED, BOX, HULL, SPHERE = 4, 1, 2, 3
 URDF = """<robot name="plate"><link name="base"><inertial><mass value="5"/></inertial>

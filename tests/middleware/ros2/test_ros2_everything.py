@@ -1,20 +1,15 @@
 """Scenes that were not made for ROS."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
+from desk import Desk
 from other_side import DOMAIN, need
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from desk import Desk
 
 PARTS = """
 robot.append(MotionVW("motion"))

@@ -1,16 +1,12 @@
 """The feedback of actions, with the fields of nav2_msgs/NavigateToPose and control_msgs/FollowJointTrajectory."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import morse
 from morse.rosmsgs.actions import Feedback
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: of the definitions of these actions
 NAVIGATE = {

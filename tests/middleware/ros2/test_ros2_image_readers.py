@@ -1,21 +1,17 @@
 """Reliable readers of images: they get all that was sent, and none harms the others."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import time
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, environment, need
 
 from morse.rosmsgs.table import Qos
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 PERIOD, LIMIT = 1 / 30, 60.0
 SIZE = 640 * 480 * 3

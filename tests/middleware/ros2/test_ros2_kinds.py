@@ -1,9 +1,7 @@
 """Messages of every kind, decoded by rosbags: fields, units, frames and conventions of the definitions and the REPs."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +10,7 @@ from morse.core.kinds import KINDS
 from morse.core.kinds.kind import Message
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.kinds import Ros2Topics
-
-if TYPE_CHECKING:
-    from morse.rosmsgs.table import Outlet
+from morse.rosmsgs.table import Outlet
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)

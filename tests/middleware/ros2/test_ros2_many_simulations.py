@@ -1,18 +1,14 @@
 """Two simulations in one domain, which share topics and commands."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from other_side import DOMAIN, SETTINGS, need
 
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 LIMIT = 60.0
 SCENE = """

@@ -3,23 +3,19 @@
 The long form prints its results (``pytest -s -m soak``), which are recorded in docs/ros2.md.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from other_side import DOMAIN, environment
 
 import morse
 from morse.builder import Environment, FakeRobot, Pose
-
-if TYPE_CHECKING:
-    from morse.simulation.simulation import Simulation
+from morse.simulation.simulation import Simulation
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: see .ci/run")
 

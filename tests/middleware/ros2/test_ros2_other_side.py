@@ -1,23 +1,19 @@
 """Tests with a real peer in another process."""
 
-from __future__ import annotations
-
 import math
 import os
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, has, lent, need, talk
 
 import morse
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

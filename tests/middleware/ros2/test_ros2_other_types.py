@@ -1,19 +1,14 @@
 """Commands as their senders have them: with a stamp or without, one point or several."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, has, lent, need, talk
 
 import morse
 from morse.rosmsgs.table import Qos
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,18 +1,14 @@
 """Images and clouds are encoded beside the ticks of a simulation that is paced by the wall clock."""
 
-from __future__ import annotations
-
 import math
 import threading
+from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: wall-clock seconds after which the encoding goes on, and number of ticks that should end before
 LIMIT, ENOUGH = 60.0, 3

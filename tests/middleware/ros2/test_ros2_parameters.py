@@ -1,18 +1,13 @@
 """The parameters of the node, read and set by the parameter client of rclpy in another process."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, has, lent, need, talk
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,16 +1,11 @@
 """Readers of rclpy that come late, with every quality of service that readers usually have."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, need, talk
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

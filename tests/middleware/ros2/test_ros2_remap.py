@@ -1,18 +1,14 @@
 """Names and quality of service of topics from a file: what it changes, and what is wrong with it."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.rosmsgs.remap import Remaps
 from morse.rosmsgs.table import Qos
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 FILE = """---
 # names of another stack

@@ -1,10 +1,9 @@
 """Whole robots: their description, joints, frames, detections and log."""
 
-from __future__ import annotations
-
 import io
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,10 +13,7 @@ from PIL import Image
 
 from morse.rosmsgs.cdr import decode
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Start = Callable[..., tuple[Any, Desk]]
+Start = Callable[..., tuple[Any, Desk]]
 
 WHEELS = """
 robot = Pioneer3DX("rover")

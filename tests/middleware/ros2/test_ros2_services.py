@@ -1,11 +1,10 @@
 """Services of components as services of ROS 2, called by a real node in another process."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from other_side import DOMAIN, PYTHON, has, lent, need, talk
@@ -13,9 +12,6 @@ from other_side import DOMAIN, PYTHON, has, lent, need, talk
 import morse
 from morse.core.services import service
 from morse.rosmsgs.services import SET_BOOL, SET_PARAMETERS, TRIGGER, Call
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

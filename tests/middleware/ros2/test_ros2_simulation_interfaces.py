@@ -1,19 +1,15 @@
 """The services of simulation_interfaces, on a backend with calls of the test."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 import trimesh
 from desk import Desk
 
 from morse.rosmsgs.topics.backend import ServiceServer
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 #: constants of simulation_interfaces/Result and SimulationState
 UNSUPPORTED, OK, NOT_FOUND, INCORRECT_STATE = 0, 1, 2, 3

@@ -3,16 +3,11 @@
 There is no wheel of the package: `.ci/ros2` compiles the definitions in the folder `simulation_interfaces`.
 """
 
-from __future__ import annotations
-
 import subprocess
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from other_side import DOMAIN, PYTHON, lent, need, talk
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,23 +1,18 @@
 """A simulation with topics: published messages, commands, and refused input."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
+from desk import Desk
 
 import morse
 from morse.core.exceptions import MorseError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from desk import Desk
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)

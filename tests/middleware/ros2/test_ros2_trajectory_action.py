@@ -1,18 +1,13 @@
 """FollowJointTrajectory, called by a real node in another process."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from other_side import DOMAIN, PYTHON, has, lent, need, talk
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: an arm that swings about the vertical axis, so that weights do not matter, and a wall on its left
 URDF = """

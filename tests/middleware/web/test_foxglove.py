@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import struct
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +19,6 @@ from morse.middleware.foxglove.datastream import FoxgloveHub
 from morse.middleware.web.hub import hub_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from websockets.sync.client import ClientConnection
 
 SCENE = """

@@ -1,18 +1,14 @@
 """Layouts of Foxglove, by the classes of its SDK."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from morse.cli.export import write_layout
 from morse.middleware.foxglove.layout import layout_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 SCENE = """
 from morse.builder import *

@@ -1,7 +1,5 @@
 """Foxglove's own client library (npm: @foxglove/ws-protocol), with the settings of its application."""
 
-from __future__ import annotations
-
 import base64
 import os
 import shutil

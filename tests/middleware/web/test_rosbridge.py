@@ -1,7 +1,5 @@
 """rosbridge with its own client in another process, and with malicious clients."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json
@@ -9,9 +7,10 @@ import math
 import socket
 import threading
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from peers import need, talk
@@ -27,9 +26,6 @@ from morse.middleware.web.client import WebClient
 from morse.middleware.web.hub import hub_of
 from morse.middleware.web.topics import WebInlet
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.long
 

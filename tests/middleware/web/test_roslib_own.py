@@ -1,14 +1,13 @@
 """roslib.js (npm: roslib) on Node, with its default settings and with each compression; fragments by hand."""
 
-from __future__ import annotations
-
 import base64
 import json
 import math
 import os
 import shutil
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,8 +18,6 @@ from morse.rosmsgs import cdr
 
 cbor2 = pytest.importorskip("cbor2")
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["start"]
 

@@ -4,8 +4,6 @@ The description of the structs (the catalogue at the start of this file) is writ
 the structs here have only the relevant fields.
 """
 
-from __future__ import annotations
-
 import re
 import struct
 from dataclasses import dataclass

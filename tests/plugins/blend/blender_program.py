@@ -1,15 +1,10 @@
 """The Blender of this machine."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def run_blender(script: Path, *arguments: str) -> None:

@@ -1,7 +1,5 @@
 """Creates one object for each kind of material: ``blender -b ... --python make_materials.py -- scene.blend``."""
 
-from __future__ import annotations
-
 import os
 import sys
 

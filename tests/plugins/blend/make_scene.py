@@ -6,8 +6,6 @@
 the custom property ``world`` (16 numbers, row by row).
 """
 
-from __future__ import annotations
-
 import sys
 from math import pi, radians
 

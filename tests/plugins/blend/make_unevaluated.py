@@ -1,7 +1,5 @@
 """Creates objects that only Blender can evaluate: ``blender -b ... --python make_unevaluated.py -- scene.blend``."""
 
-from __future__ import annotations
-
 import sys
 
 import bpy

@@ -1,7 +1,5 @@
 """Modifiers, curves, constraints: evaluated by Blender if available, otherwise listed in the log."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import io
@@ -10,7 +8,6 @@ import sys
 from array import array
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,10 +15,7 @@ from blend_writer import BlendWriter
 from blender_program import run_blender
 
 from morse.plugins.blend import read_blend
-from morse.scene import NodeKind
-
-if TYPE_CHECKING:
-    from morse.scene import Node
+from morse.scene import Node, NodeKind
 
 pytestmark = pytest.mark.long
 

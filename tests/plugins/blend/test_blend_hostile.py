@@ -1,16 +1,14 @@
 """Damaged, truncated and malicious files: an error with a clear message, within a short time."""
 
-from __future__ import annotations
-
 import contextlib
 import gzip
 import math
 import os
+import random
 import struct
 import time
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -24,11 +22,7 @@ from morse.assets.errors import AssetError
 from morse.plugins.blend import BlendError, read_blend
 from morse.plugins.blend.container import load
 from morse.plugins.blend.file import BlendFile
-
-if TYPE_CHECKING:
-    import random
-
-    from morse.scene import Library
+from morse.scene import Library
 
 pytestmark = pytest.mark.long
 

@@ -1,12 +1,10 @@
 """Files of Blender 2.5 to 2.79: faces, game engine settings, groups, materials of the internal renderer."""
 
-from __future__ import annotations
-
 import itertools
 import struct
 import zlib
 from math import cos, pi, sin
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +12,6 @@ from blend_writer import BlendWriter
 
 from morse.plugins.blend import read_blend
 from morse.scene import Bounds, Library, Mist, Node, NodeKind, PhysicsType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SQUARE = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
 #: two slopes of 45 degrees

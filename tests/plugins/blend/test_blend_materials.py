@@ -1,17 +1,12 @@
 """Shader nodes as metallic-roughness materials."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from blender_program import run_blender
 
 from morse.plugins.blend import read_blend
-
-if TYPE_CHECKING:
-    from morse.scene import Library, Material
+from morse.scene import Library, Material
 
 pytestmark = pytest.mark.blender
 

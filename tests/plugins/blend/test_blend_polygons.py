@@ -1,7 +1,5 @@
 """Triangles and normals from polygons, against geometry."""
 
-from __future__ import annotations
-
 from math import cos, pi, sin
 
 import numpy as np

@@ -1,9 +1,7 @@
 """One scene, saved by five versions of Blender: the result must be the scene of `make_scene.py`."""
 
-from __future__ import annotations
-
 from math import pi
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +9,6 @@ import pytest
 from morse.mathutils import Vector
 from morse.plugins.blend import read_blend
 from morse.scene import Bounds, Library, Node, NodeKind, PhysicsType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

@@ -1,24 +1,18 @@
 """Scripts of MORSE 1.0 to 1.2 run, and `morse check --fix` writes them in the form of today."""
 
-from __future__ import annotations
-
 import importlib
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from morse.builder import MorseBuilderNoComponentError, bpymorse
 from morse.builder.script import ScriptError
+from morse.scene import Scene
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.scene import Scene
-
-    Load = Callable[..., Scene]
+Load = Callable[..., Scene]
 
 SCRIPT = """\
 from morse.builder import *

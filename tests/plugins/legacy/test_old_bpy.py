@@ -1,22 +1,15 @@
 """``import bpy`` in a scene script stands for the scene that is being described."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
 from morse.builder.script import ScriptError
-from morse.scene import Bounds, NodeKind, PhysicsType
+from morse.scene import Bounds, Node, NodeKind, PhysicsType, Scene
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.scene import Node, Scene
-
-    Load = Callable[..., Scene]
+Load = Callable[..., Scene]
 
 HEAD = "from morse.builder import *\nimport bpy\n"
 END = "env = Environment('empty')\n"

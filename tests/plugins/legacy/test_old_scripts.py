@@ -1,26 +1,20 @@
 """Scripts in the manner of earlier versions: module names, methods, values, arguments, and the Python of their time."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from morse.builder.names.catalog import load_class
 from morse.builder.script import ScriptError, load_scene
 from morse.plugins.legacy.imports import REMOVED
+from morse.scene import Scene
 from morse.simulation.options import RunOptions
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from morse.scene import Scene
-
-    Load = Callable[..., Scene]
+Load = Callable[..., Scene]
 
 HEAD = "from morse.builder import *\n"
 END = "env = Environment('empty')\n"

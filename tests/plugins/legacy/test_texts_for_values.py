@@ -1,7 +1,5 @@
 """Properties and options whose numbers and truth values are texts, as scripts of MORSE 1.4 have them."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

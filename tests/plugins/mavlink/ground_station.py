@@ -1,17 +1,13 @@
 """A ground station in the process of the simulation, made of pymavlink: it sees each tick."""
 
-from __future__ import annotations
-
 import socket
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 from pymavlink.dialects.v20 import common
 
 import morse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 #: simulated seconds after which a test no longer waits
 LIMIT = 120.0

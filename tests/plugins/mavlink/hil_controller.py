@@ -1,7 +1,5 @@
 """An autopilot with an estimator and a controller of its own, which knows a quadrotor by HIL messages only."""
 
-from __future__ import annotations
-
 import math
 import socket
 import threading

@@ -1,7 +1,5 @@
 """MAVLink with pymavlink in another process: contents and axes of messages; commands; invalid bytes."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -10,9 +8,10 @@ import socket
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,9 +21,6 @@ from morse.core.exceptions import MorseError
 from morse.plugins.mavlink.axes import Axes
 from morse.plugins.mavlink.framing import Framer
 from tests.waiting import step_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.long
 

@@ -1,12 +1,11 @@
 """The camera protocol and MAVLink FTP, by pymavlink: photos are taken and downloaded, nothing is written."""
 
-from __future__ import annotations
-
 import io
 import math
 import struct
 import zlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -14,9 +13,6 @@ pytest.importorskip("pymavlink")
 
 from PIL import Image
 from test_mavlink_flight import ACCEPTED, ARM, DENIED, NAN, TAKEOFF, UNSUPPORTED, station
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["station"]
 

@@ -1,10 +1,9 @@
 """Fences, setpoints that stop, followed targets, gimbals, answers for what a vehicle does not have."""
 
-from __future__ import annotations
-
 import math
 import struct
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -24,9 +23,6 @@ from test_mavlink_flight import (
     station,
     target,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["station"]
 

@@ -1,19 +1,15 @@
 """The autopilot of MAVLink, by pymavlink in simulated time: arming, setpoints, one frame, rates, types, ends."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 pytest.importorskip("pymavlink")
 
 from ground_station import GroundStation, fly
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

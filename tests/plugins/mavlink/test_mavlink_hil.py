@@ -1,13 +1,12 @@
 """An autopilot in the loop, as PX4 reads its messages: what it takes as a measurement, its clock, lockstep."""
 
-from __future__ import annotations
-
 import math
 import socket
 import threading
 import time
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,9 +16,6 @@ from hil_controller import Controller
 from pymavlink.dialects.v20 import common
 
 import morse
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 

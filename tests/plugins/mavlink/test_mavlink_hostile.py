@@ -1,9 +1,8 @@
 """No message that an autopilot reads harms it, whatever its fields are."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -16,9 +15,6 @@ from test_mavlink_flight import station
 
 from effort import examples
 from morse.plugins.mavlink.autopilot.pilot import MESSAGES
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["station"]
 

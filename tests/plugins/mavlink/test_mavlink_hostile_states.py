@@ -1,12 +1,11 @@
 """A state that a stranger has written is refused, or the autopilot goes on with it."""
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import logging
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
@@ -19,9 +18,6 @@ from test_mavlink_states import VEHICLES, _altered, under_way
 
 from effort import examples
 from morse.core.state import StateError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 __all__ = ["station"]
 

@@ -1,18 +1,14 @@
 """A ground station over a bad connection, as QGroundControl asks again: packets are lost or come twice, both ways."""
 
-from __future__ import annotations
-
 import random
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 pytest.importorskip("pymavlink")
 
 from test_mavlink_flight import ACCEPTED, ARM, NAN, TAKEOFF, drone, place, station
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["station"]
 

@@ -1,7 +1,5 @@
 """MAVLink with MAVSDK, an implementation independent of pymavlink."""
 
-from __future__ import annotations
-
 import json
 import math
 import socket

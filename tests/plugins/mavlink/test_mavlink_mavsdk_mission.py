@@ -1,7 +1,5 @@
 """The page on MAVLink with MAVSDK and its default settings: it arms, takes off, flies a square, returns and lands."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """Every plugin of MAVSDK that asks a vehicle for something: it works, or it is refused by its code and at once."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,19 +1,15 @@
 """Missions of MAVLink by pymavlink in simulated time: upload, download, flight, refusals, half uploads, floods."""
 
-from __future__ import annotations
-
 import math
 import random
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 pytest.importorskip("pymavlink")
 
 from test_mavlink_flight import ACCEPTED, ARM, DENIED, SET_MODE, arrives, drone, place, station, target
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 pytestmark = pytest.mark.long
 

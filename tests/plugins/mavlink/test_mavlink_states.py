@@ -1,8 +1,8 @@
 """A state that is saved in flight contains the autopilot: the flight goes on with the same bits."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -13,10 +13,6 @@ from test_mavlink_failsafe import INSIDE, LAND, SQUARE, polygon
 from test_mavlink_flight import ACCEPTED, ARM, NAN, SET_MODE, TAKEOFF, drone, place, station, target
 
 from morse.core.state import StateError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 __all__ = ["station"]
 

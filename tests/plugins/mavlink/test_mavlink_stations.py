@@ -1,18 +1,14 @@
 """What ground stations ask at their start, and what a vehicle does when they fall silent."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 pytest.importorskip("pymavlink")
 
 from test_mavlink_flight import ACCEPTED, ARM, NAN, TAKEOFF, UNSUPPORTED, drone, place, station
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["station"]
 

@@ -1,7 +1,5 @@
 """MOOS: variables with the names of 1.4, and a database that comes late, goes, or sends nonsense."""
 
-from __future__ import annotations
-
 import math
 import re
 import struct
@@ -9,18 +7,16 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from moos_database import Database
 
 import morse
 from morse.core.exceptions import MorseError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 LIMIT = 60.0

@@ -1,11 +1,10 @@
 """Two nodes share a world: each simulates its robots, and shows those of the other where the server says."""
 
-from __future__ import annotations
-
 import json
 import socket
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -14,12 +13,8 @@ from morse.builder import ATRV, Environment, MotionVW, Pose
 from morse.builder.errors import ScriptError
 from morse.core.clients.network import Network
 from morse.plugins.multinode.server import MultinodeServer
+from morse.simulation.simulation import Simulation
 from morse.wire.listener import listen, port_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from morse.simulation.simulation import Simulation
 
 #: ticks of a node that waits for the other side, which answers in another thread
 MANY = 200_000

@@ -1,11 +1,9 @@
 """Hostile nodes and servers: nothing but the connection ends, and the robots stay where they are."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 
@@ -14,9 +12,6 @@ from morse.plugins.multinode.messages import MAX_LINE, read_answer, read_pose, r
 from morse.plugins.multinode.node import ServerConnection
 from morse.plugins.multinode.server import MultinodeServer, main
 from morse.wire.listener import listen, port_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 WRONG = [
     b"", b"\x00\xff", b"[]", b"{}", b"[1, {}]", b'["", {}]', b'["n", []]', b'["n", {"r": 1}]',

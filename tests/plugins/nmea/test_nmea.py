@@ -1,7 +1,5 @@
 """GPS receivers that send NMEA 0183, and clients that do not read it."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import os

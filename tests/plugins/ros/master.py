@@ -1,7 +1,5 @@
 """A master of ROS 1, and other processes."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import socket
@@ -12,14 +10,12 @@ import tempfile
 import time
 import urllib.request
 import xmlrpc.client
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: directory of rospy in Debian
 DEBIAN = "/usr/lib/python3/dist-packages"

@@ -1,22 +1,18 @@
 """ROS 1, with a real master and a real node of rospy in another process."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from master import environment, master, need_ros, run, simulation
 
 import morse
 from morse.core.exceptions import MorseError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 HERE = Path(__file__).parent
 SCENE = """

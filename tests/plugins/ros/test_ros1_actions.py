@@ -1,17 +1,13 @@
 """Services and actions with their own types, declared as in MORSE 1.4."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from master import master, need_ros, run, simulation
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 HERE = Path(__file__).parent
 OVERLAY = """

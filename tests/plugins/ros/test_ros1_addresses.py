@@ -1,7 +1,5 @@
 """On which networks the node of rospy listens; rospy itself need not be installed."""
 
-from __future__ import annotations
-
 import logging
 import socket
 

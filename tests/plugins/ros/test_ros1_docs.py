@@ -1,7 +1,5 @@
 """The scene and the node of the documentation, and a test case in the style of MORSE 1.4."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What nodes written for MORSE 1.4 expect on ROS 1: joints of a PR2, ranges, the action server."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

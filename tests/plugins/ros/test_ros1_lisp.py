@@ -1,7 +1,5 @@
 """Recognised objects in the format of Lisp."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.core.mathutils import Quaternion

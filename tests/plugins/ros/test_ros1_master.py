@@ -1,7 +1,5 @@
 """A master that is started again knows the topics of a running simulation."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Class paths of ROS 1 that need no master."""
 
-from __future__ import annotations
-
 import pytest
 
 from morse.core.exceptions import MorseMiddlewareError

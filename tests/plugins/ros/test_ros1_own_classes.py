@@ -1,21 +1,17 @@
 """Streams of users with message classes of their own, and the controller of arms, with a real node as the peer."""
 
-from __future__ import annotations
-
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from master import master, need_ros, run, simulation
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.plugins.ros.own_classes import ROSPublisher
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 HERE = Path(__file__).parent
 STREAMS = """

@@ -1,7 +1,5 @@
 """Bottles and messages byte by byte, as the documentation of YARP has them."""
 
-from __future__ import annotations
-
 import asyncio
 import struct
 from concurrent.futures import ThreadPoolExecutor

@@ -1,18 +1,14 @@
 """Many connections to a port of YARP."""
 
-from __future__ import annotations
-
 import asyncio
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+
+import pytest
 
 from event_loops import run_apart
 from morse.core.clients.budgets import Arrivals
 from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen, port_of
-
-if TYPE_CHECKING:
-    import pytest
 
 
 def test_connections_that_do_not_speak_have_a_limit(caplog: pytest.LogCaptureFixture) -> None:

@@ -1,14 +1,13 @@
 """Ports of YARP: how they are registered, connected, administered, commanded and abused."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import socket
 import struct
 import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from yarp_names import Names
@@ -17,9 +16,6 @@ from yarp_wire import Line, Reader, exactly, number
 from morse.core.exceptions import MorseError
 from morse.plugins.yarp.bottle import decode, encode
 from tests.waiting import step_until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 LIMIT = 100.0
 #: the carrier tcp, and the name of a sender

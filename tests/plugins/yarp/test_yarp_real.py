@@ -1,20 +1,16 @@
 """Ports of YARP with the real name server, the real bindings and the real command line."""
 
-from __future__ import annotations
-
 import json
 import re
+import subprocess
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from yarp_real import HERE, LIMIT, Yarp
-
-if TYPE_CHECKING:
-    import subprocess
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.slow
 PAGE = Path(__file__).resolve().parents[3] / "docs/yarp.md"

@@ -1,7 +1,5 @@
 """A name server for tests: the requests and answers of the documentation of YARP, on 127.0.0.1."""
 
-from __future__ import annotations
-
 import socketserver
 import threading
 

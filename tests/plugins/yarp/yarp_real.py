@@ -1,7 +1,5 @@
 """A real YARP, built by .ci/yarp: its name server and its Python bindings, in other processes."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket

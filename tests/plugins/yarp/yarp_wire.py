@@ -1,7 +1,5 @@
 """The other side of the protocol of YARP, written after its documentation, with blocking sockets."""
 
-from __future__ import annotations
-
 import socket
 import struct
 
