@@ -10,7 +10,7 @@ from morse.core.declarations import add_state
 from morse.core.services import ServiceDeclaration, declared_services
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sized
 
     from morse.core.services import Outcome
     from morse.core.values import Fields
@@ -25,7 +25,11 @@ class AbstractObject:
         local_data: the data fields, by name; kept between ticks.
         on_completion: called when the running asynchronous service ends, or None.
         running_service: name of the running asynchronous service, or None.
+        waiting: of an object that offers services: a collection that is empty while `action` has nothing to do, always
+            the same; None if this is not known.
     """
+
+    waiting: Sized | None = None
 
     add_state("local_data", object, "Values of the data fields")
     add_state("running_service", str | None, "Name of the service that runs")

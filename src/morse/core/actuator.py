@@ -8,11 +8,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.declarations import add_state, fields_of_component
-from morse.core.guard import modify, read
+from morse.core.guard import modify
 from morse.core.journal import COMMAND
 from morse.core.object import Object
-from morse.core.rows.marks import is_overridden, lasting_fields, waiting
+from morse.core.rows.marks import is_overridden, lasting_fields
 from morse.core.streams.extent import check_fields
+from morse.core.streams.functions import Endpoint, read, waiting
 from morse.core.validation.commands import Commands
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ class Actuator(Object):
         self.robot_parent.apply_speed(kind, linear_speed, angular_speed)
 
 
-class PendingCommands:
+class PendingCommands(Endpoint):
     """Passes commands from the process or the live view to an actuator, like a stream of a client.
 
     Commands for an inactive actuator are kept until it is active.
@@ -152,7 +153,7 @@ class PendingCommands:
     def __init__(self, actuator: Actuator) -> None:
         self._commands = Commands(actuator)
         self._waiting: Fields = {}
-        actuator.input_functions.append(self._take)
+        actuator.input_functions.append(self.default)
 
     def move_to(self, actuator: Actuator) -> None:
         """Switch to an actuator that replaces the present one and has taken over its input functions."""
@@ -194,7 +195,8 @@ class PendingCommands:
         owners = [getattr(function, "__self__", None) for function in actuator.input_functions]
         return [owner for owner in owners if isinstance(owner, PendingCommands)]
 
-    def _take(self, actuator: Component) -> bool:
+    def default(self, actuator: Component) -> bool:
+        """Set the fields that wait; return whether there are any."""
         if not self._waiting:
             return False
         actuator.local_data.update(self._waiting)

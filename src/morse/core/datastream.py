@@ -12,11 +12,12 @@ from morse.core.kinds.table import GENERAL
 from morse.core.mapping import mapped_kinds
 from morse.core.observer import Observer
 from morse.core.reports.quoting import shown
+from morse.core.streams.functions import Endpoint
 from morse.core.validation.fields import checked_options, with_defaults
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sized
+    from collections.abc import Callable, Mapping
 
     from morse.core.actuator import Actuator
     from morse.core.context import Context
@@ -32,7 +33,7 @@ COMMON_OPTIONS: Mapping[str, Option] = {
 }
 
 
-class AbstractDatastream(ABC):
+class AbstractDatastream(Endpoint, ABC):
     """One stream of one component.
 
     Attributes:
@@ -57,14 +58,6 @@ class AbstractDatastream(ABC):
     def data(self) -> Fields:
         """``local_data`` of the component."""
         return self.component_instance.local_data
-
-    @property
-    def waiting(self) -> Sized | None:
-        """Return a collection that is empty while `default` has nothing to do; None if this is not known.
-
-        The collection is the same object at each call. `default` need not be called while the collection is empty.
-        """
-        return None
 
     def initialize(self) -> None:
         """Called once before the first tick."""

@@ -7,8 +7,9 @@ from the simulation like those of a simulated device.
 from __future__ import annotations
 
 from morse.core.actuator import Actuator
-from morse.core.guard import modify, publish
+from morse.core.guard import modify
 from morse.core.sensor import Sensor
+from morse.core.streams.functions import publish
 
 
 class ExternalObject(Actuator):

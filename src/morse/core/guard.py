@@ -9,7 +9,6 @@ passed on: `KeyboardInterrupt` and `SystemExit`.
 from __future__ import annotations
 
 import logging
-from operator import methodcaller
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar
 
 from morse.core.reports.faults import (
@@ -27,6 +26,7 @@ from morse.core.reports.faults import (
     trace_of,
     user_frames,
 )
+from morse.core.streams.functions import manager_of, stream_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, MutableMapping, MutableSequence, Sequence
@@ -44,13 +44,10 @@ logger = logging.getLogger(__name__)
 
 #: consequence of an error while a part is being closed
 _AGAIN = "is left as it is"
-_NOTHING = object()
 #: largest number of failures that are kept, so that clients which cause them do not fill the memory
 _MOST = 1000
 #: largest number of parts that a message names, and of characters of an error in it
 _MOST_LINES, _LONGEST_CAUSE = 50, 200
-#: calls the method of an observer
-before_tick, after_tick = methodcaller("before_tick"), methodcaller("after_tick")
 
 
 class Failure(NamedTuple):
@@ -255,9 +252,9 @@ class Guard:
             if component._active:  # each of its streams finds out
                 self.deactivate(component, _without_data(component, error))
             return
-        stream = _stream_of(function)
+        stream = stream_of(function)
         self.failed(stream, f"the stream {name_of(stream)} of {name_of(component)}", "is closed", error)
-        functions[:] = [one for one in functions if one is not function and _stream_of(one) is not stream]
+        functions[:] = [one for one in functions if one is not function and stream_of(one) is not stream]
         drop = attribute(attribute(stream, "manager"), "drop")
         if drop is not None:
             self.run(lambda: drop(stream), lambda again: self.failed(stream, name_of(stream), _AGAIN, again))
@@ -279,7 +276,7 @@ class Guard:
             self.managers_off.add(path)
             for component in [*self._context.robots.values(), *self._context.components.values()]:
                 for functions in (component.input_functions, component.output_functions):
-                    functions[:] = [one for one in functions if _manager_of(one) is not observer]
+                    functions[:] = [one for one in functions if manager_of(one) is not observer]
         self.run(observer.close, lambda again: self.failed(observer, who, _AGAIN, again))
 
 
@@ -291,60 +288,9 @@ def _ignored(_error: BaseException) -> None:
     """Used where another error is being reported."""
 
 
-def _stream_of(function: object) -> object:
-    """The stream whose method a component calls; the function itself if it does not belong to a stream."""
-    owner = attribute(function, "__self__", function)
-    if attribute(owner, "component_instance", _NOTHING) is _NOTHING:
-        return function
-    return attribute(owner, "stream", owner)
-
-
-def _manager_of(function: object) -> object:
-    return attribute(_stream_of(function), "manager")
-
-
 def _without_data(component: object, error: BaseException) -> BaseException:
     kind = class_name(type(vars(component).get("local_data")))
     return TypeError(f"self.local_data is a dictionary of the data, not {kind}").with_traceback(trace_of(error))
-
-
-# -- calls of components, which are frequent -----------------------------------------------------
-
-
-def publish(component: Component, functions: MutableSequence[_Call]) -> None:
-    """Call the output functions of a component; a stream that raises is closed."""
-    failures = None
-    for function in functions:
-        try:
-            function(component)
-        except ENDINGS:
-            raise
-        except BaseException as error:
-            failures = [*(failures or ()), (function, error)]
-    if failures is not None:
-        _close(component, functions, failures)
-
-
-def read(component: Component, functions: MutableSequence[_Call]) -> bool:
-    """Call the input functions of a component, and return whether data arrived; a stream that raises is closed."""
-    has_input, failures = False, None
-    for function in functions:
-        try:
-            has_input = bool(function(component)) or has_input
-        except ENDINGS:
-            raise
-        except BaseException as error:
-            failures = [*(failures or ()), (function, error)]
-    if failures is not None:
-        _close(component, functions, failures)
-    return has_input
-
-
-def _close(
-    component: Component, functions: MutableSequence[_Call], failures: Sequence[tuple[_Call, BaseException]]
-) -> None:
-    for function, failure in failures:
-        component.context.guard.close(component, functions, function, failure)
 
 
 def modify(component: Component, modifiers: Sequence[Modifier]) -> bool:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.core.declarations import fields_of_component
-from morse.core.guard import modify, publish
+from morse.core.guard import modify
 from morse.core.streams.extent import check_fields
+from morse.core.streams.functions import publish
 from morse.core.streams.local_data import LocalData
 from morse.core.units import conversion
 from morse.mathutils.portable import norm

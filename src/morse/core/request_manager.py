@@ -6,7 +6,6 @@ import logging
 import uuid
 from abc import ABC, abstractmethod
 from itertools import count
-from operator import methodcaller
 from types import FunctionType, MethodType
 from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 from weakref import WeakKeyDictionary
@@ -343,17 +342,16 @@ def _owner_of(callback: Callable[..., object]) -> object:
     return attribute(callback, "__self__")
 
 
-_answer, _update = methodcaller("answer"), methodcaller("update")
+def _answer(manager: RequestManager) -> None:
+    manager.answer()
+
+
+def _update(manager: RequestManager) -> None:
+    manager.update()
 
 
 class MorseServices:
-    """All request managers, and the mapping of components to managers.
-
-    Attributes:
-        signs: collections that are empty while no manager has anything to do.
-    """
-
-    signs: list[Sized]
+    """All request managers, and the mapping of components to managers."""
 
     def __init__(self, managers: Iterable[RequestManager] = ()) -> None:
         self._managers: dict[str, RequestManager] = {manager.classpath: manager for manager in managers}
@@ -425,7 +423,14 @@ class MorseServices:
         self.register_object(name, after)
 
     def _look(self) -> None:
-        self.signs = [sign for manager in self._everybody() for sign in (manager.waiting, manager._arrivals)]
+        #: collections that are empty while no manager has anything to do
+        self._work: list[Sized] = [
+            sign for manager in self._everybody() for sign in (manager.waiting, manager._arrivals)
+        ]
+
+    def has_work(self) -> bool:
+        """Whether a request has arrived, or a call has ended."""
+        return any(self._work)
 
     def process(self) -> None:
         """One tick of every manager; one that fails is stopped."""

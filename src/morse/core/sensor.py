@@ -7,22 +7,22 @@ servers for rays or images are `OnDemand`: what nobody reads is neither cast nor
 from __future__ import annotations
 
 import math
-from operator import methodcaller
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from morse.core.declarations import add_data, add_state, data_fields, fields_of_component
 from morse.core.declarations.refused import numbers_in
-from morse.core.guard import modify, publish
+from morse.core.guard import modify
 from morse.core.object import Object
 from morse.core.realism import measured
 from morse.core.reports.quoting import closest
 from morse.core.requests import serve
 from morse.core.rows.lazy_data import LazyData, known_data, present_data
-from morse.core.rows.marks import is_on_read, is_overridden, waiting
+from morse.core.rows.marks import is_on_read, is_overridden
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
+from morse.core.streams.functions import publish, waiting
 from morse.core.validation.fields import spec_of_field
 from morse.core.values import Fields, Value
 from morse.scene.realism import is_numeric
@@ -278,7 +278,7 @@ class OnDemand:
             guard = sensor.context.guard
             try:
                 serve((sensor,), guard)
-                guard.each((sensor,), methodcaller("action"), guard.deactivate)
+                guard.each((sensor,), _act, guard.deactivate)
             finally:
                 self.is_asked = False
         return self._data
@@ -295,6 +295,10 @@ class OnDemand:
         finally:
             if own.get("local_data") is self._data and not sensor._is_read:
                 del own["local_data"]
+
+
+def _act(sensor: Sensor) -> None:
+    sensor.action()
 
 
 def hold_on_demand(sensor: Sensor) -> OnDemand | None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from morse.core.declarations import BuilderDefaults, Visual
-from morse.core.guard import publish
 from morse.core.sensor import Sensor
+from morse.core.streams.functions import publish
 from morse.core.streams.kind_stream import KindStream
 from morse.helpers.components import add_data, add_kind, add_property, add_state
 

@@ -38,7 +38,7 @@ class TimeServices(AbstractObject):
         begins_late: whether sleeps begin with the next tick, as in MORSE 1.4 (`env.use_physics_of_1_4`).
 
     Attributes:
-        waiting: the alarms, which an action may end; see `morse.core.rows.rows.waiting`.
+        waiting: the alarms, which an action may end; see `AbstractObject.waiting`.
     """
 
     def __init__(self, clock: Clock, set_speed: Callable[[float], None], *, begins_late: bool = False) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from operator import methodcaller
 from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
@@ -291,7 +290,7 @@ class Population:
         simulation = self._simulation
         simulation.schedule()
         simulation.components_changed()
-        simulation.context.guard.tell(simulation.observers, methodcaller("rearranged"))
+        simulation.context.guard.tell(simulation.observers, lambda observer: observer.rearranged())
 
     # -- reset to the launch ---------------------------------------------------------------
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import math
 import os
-from operator import methodcaller
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
@@ -317,10 +316,10 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
 
     def viewpoint_changed(self) -> None:
         """Called when a service moved the camera of the scene."""
-        self._tell("viewpoint_changed")
+        self._tell(lambda observer: observer.viewpoint_changed())
 
-    def _tell(self, event: str) -> None:
-        self.context.guard.tell(self.observers, methodcaller(event))
+    def _tell(self, event: Callable[[Observer], None]) -> None:
+        self.context.guard.tell(self.observers, event)
 
     # -- state -----------------------------------------------------------------------------
 
@@ -375,7 +374,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
             for obj in self.context.service_objects:
                 if obj.get_state() is None:
                     obj.restart()
-        self._tell("rearranged")
+        self._tell(lambda observer: observer.rearranged())
         self._loop.restarted()
 
     def arrange(self, state: State, *, described: bool) -> None:
@@ -383,7 +382,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
         self._check_open()
         with acting(self.context):
             self._saving.arrange(state, described=described)
-        self._tell("rearranged")
+        self._tell(lambda observer: observer.rearranged())
 
     def _end_services(self) -> None:
         """End running services as preempted."""
@@ -507,7 +506,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
                 self.stop()
                 raise
         self.components_changed()
-        self._tell("restarted")
+        self._tell(lambda observer: observer.restarted())
         self._loop.restarted()
 
     def start_anew(self) -> None:

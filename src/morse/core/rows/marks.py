@@ -6,7 +6,7 @@ from types import FunctionType
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sized
+    from collections.abc import Callable
 
     from morse.core.interfaces import Component
     from morse.core.values import Value
@@ -63,12 +63,6 @@ def is_overridden(component: Component) -> bool:
     """Whether an attribute of a component hides a method of its class."""
     cls = type(component)
     return any(isinstance(getattr(cls, name, None), FunctionType) for name in vars(component))
-
-
-def waiting(function: object) -> Sized | None:
-    """Return a collection that is empty while a function of a stream has nothing to do; None if it is not known."""
-    collection: Sized | None = getattr(getattr(function, "__self__", None), "waiting", None)
-    return collection
 
 
 def mark_of(cls: type, mark: str) -> Value:

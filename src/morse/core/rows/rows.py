@@ -10,10 +10,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar, cast
 
-from morse.core.guard import publish
 from morse.core.realism import phase_of
-from morse.core.rows.marks import is_overridden, lasting_fields, waiting
+from morse.core.rows.marks import is_overridden, lasting_fields
 from morse.core.sensor import Sensor
+from morse.core.streams.functions import publish, waiting
 from morse.helpers.transformation import FollowingPose
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import math
 import time
-from operator import methodcaller
 from typing import TYPE_CHECKING
 
 from morse.core import status
@@ -213,7 +212,7 @@ class Loop:
             extra={SHOWN: True},
         )
         self._slow = True
-        self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", delay, cause))
+        self._context.guard.tell(self._ticker.observers, lambda observer: observer.report_pace(delay, cause))
 
     def _stop_measuring(self) -> None:
         if self._diagnosis is not None:
@@ -225,5 +224,5 @@ class Loop:
         """Withdraw a warning about the pace, because the simulation keeps up again or was restarted."""
         self._stop_measuring()
         if self._slow:
-            self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", 0.0))
+            self._context.guard.tell(self._ticker.observers, lambda observer: observer.report_pace(0.0))
         self._slow = False

@@ -12,7 +12,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.actuator import Actuator
-from morse.core.guard import after_tick
+from morse.core.observer import after_tick
 from morse.core.reports.faults import is_a
 from morse.core.rows.rows import ActuatorRows, Rows, SensorRows
 from morse.core.sensor import Sensor

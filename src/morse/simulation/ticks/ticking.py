@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import sys
-from operator import call, methodcaller
+from operator import call
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
+from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator
 from morse.core.context import acting
-from morse.core.guard import after_tick, before_tick
+from morse.core.observer import after_tick, before_tick
 from morse.core.realism import Realism, phase_of
 from morse.core.reports.faults import name_of
 from morse.core.requests import serve
-from morse.core.rows.marks import waiting
 from morse.core.rows.rows import ActuatorRows, Rows, SensorRows
 from morse.core.sensor import OnDemand, Sensor, hold_on_demand
 from morse.simulation.ticks.multi_tick import MultiTick
@@ -22,7 +22,6 @@ from morse.simulation.ticks.schedule import Schedule
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence, Sized
 
-    from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.core.observer import Observer
@@ -65,7 +64,8 @@ def _rows(members: Sequence[Object], act: Callable[[Sequence[Object | Rows[Any]]
     return SensorRows(cast("Sequence[Sensor]", members), act)
 
 
-_release = methodcaller("release")
+def _release(realism: Realism) -> None:
+    realism.release()
 
 
 class Ticker:
@@ -321,8 +321,8 @@ class Ticker:
         if len(objects) != self._offered:
             self._offered = len(objects)
             active = self._guard.those(objects, _is_busy, self._stop_serving)
-            self._served = [(one, waiting(one.action)) for one in active]
-        if any(self._services.signs):
+            self._served = [(one, _work_of(one)) for one in active]
+        if self._services.has_work():
             self._services.process()
 
     def _stop_serving(self, part: AbstractObject, error: BaseException) -> None:
@@ -357,7 +357,7 @@ class Ticker:
         """End the services that are due at this time, such as sleeps, and answer them."""
         if alarmed := self._alarmed():
             self._guard.each(alarmed, _act, self._stop_serving)
-        if any(self._services.signs):
+        if self._services.has_work():
             self._services.answer()
 
     def _remove_push(self, push: Callable[[], object], error: BaseException) -> None:
@@ -439,6 +439,11 @@ def _update_pose(robot: Robot) -> None:
 
 def _phase(component: Object) -> float:
     return component.phase if isinstance(component, Rows) else phase_of(component)
+
+
+def _work_of(part: AbstractObject) -> Sized | None:
+    """`AbstractObject.waiting`; None for objects of users of any other class."""
+    return part.waiting if isinstance(part, AbstractObject) else None
 
 
 def _is_busy(part: AbstractObject) -> bool:

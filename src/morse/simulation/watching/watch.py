@@ -8,7 +8,6 @@ import threading
 import time
 from collections import deque
 from dataclasses import dataclass, field
-from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -271,8 +270,9 @@ class Watch(Observer):
     def _changed(self, path: str, what: str) -> None:
         simulation = self._simulation
         simulation.journal.note(EDIT, path, what)
-        for method in ("edited", "rearranged"):
-            simulation.context.guard.tell(simulation.observers, methodcaller(method))
+        guard = simulation.context.guard
+        guard.tell(simulation.observers, lambda observer: observer.edited())
+        guard.tell(simulation.observers, lambda observer: observer.rearranged())
 
     def _refuse(self, path: str, reason: str) -> None:
         self._simulation.edits.refuse(path, reason)
