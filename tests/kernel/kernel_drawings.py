@@ -89,7 +89,7 @@ class RandomDrawing:
         sun[:12] = np.column_stack([axes * [[10], [10], [1]], [30, 25, 0]]).ravel()
         sun[12] = 0.1
         sky = rng.uniform(0, 1, 20).astype(np.float32)
-        sky[15:17] = 2.0, 3.0
+        sky[15:18] = 2.0, 3.0, float(sky[19] < 0.3)
         made = np.full((50, 60), -1e30, np.float32) if shadow else None
         if not near:
             return Light(lamps, sky, sun, made)

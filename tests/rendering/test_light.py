@@ -1,6 +1,7 @@
 """Colours, shadows and textures."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -173,3 +174,30 @@ def test_the_sky_is_bright_above_and_its_colours_can_be_chosen():
     assert sky[10, 100].mean() > 60
     red = Studio(floor(-100.0, half=1.0), horizon_color=(0.8, 0.0, 0.0)).look(up, LENS).rgb
     assert red[99, 100, 0] > red[99, 100, 2] + 60
+
+
+@pytest.mark.parametrize("kind", ["SPOT", "POINT", "SUN"])
+def test_the_look_of_1_4_is_0_8_times_code_and_light_without_tone_mapping(kind):
+    """Blender 2.6: code = 255 · 0.8 · colour · energy, at a distance r times 1 / (1 + (r / distance)²)."""
+    code, energy, far, half = 200, 0.9, 2.0, 5.0
+    linear = ((code / 255 + 0.055) / 1.055) ** 2.4
+    material = Material("", color=(linear, 0.0, 0.0, 1), roughness=0.2, metallic=0.7)
+    shone = lamp(kind, (0, 0, 1), energy, (0.0, 0.0, far))
+    shone.light.distance = half
+    made = Studio(floor(material=material), shone)
+    made.scene.settings.physics_of_1_4 = True
+    above = Tripod((0.0, 1.0, 3.0), (0, 0, 0))
+    r, g, b = made.look(above, LENS).rgb[100, 100].tolist()
+    fading = 1.0 if kind == "SUN" else 1.0 / (1.0 + (far / half) ** 2)
+    assert r == pytest.approx(0.8 * code * energy * fading, abs=1.5)
+    assert (g, b) == (0, 0)
+    shone.light = replace(shone.light, energy=0.0)
+    made.world.appearance_changed(made.world.object_of(shone))
+    assert made.look(above, LENS).rgb[100, 100].max() == 0
+
+
+def test_the_sky_and_glowing_surfaces_have_their_own_colours_in_the_look_of_1_4():
+    glowing = Material("", color=(0, 0, 0, 1), emission=(0.2, 0.0, 0.0))
+    made = Studio(floor(material=glowing), lamp("SUN", (0, 0, 1)), horizon_color=(0.1, 0.1, 0.1))
+    made.scene.settings.physics_of_1_4 = True
+    assert made.look(ABOVE, LENS).rgb[100, 100].tolist() == [124, 0, 0]  # sRGB of 0.2

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.arrays import Pictures
     from morse.physics import World
     from morse.rendering.scenery import Scenery
-    from morse.scene import Node, Scene, ViewSettings
+    from morse.scene import Node, Scene, Settings, ViewSettings
 
     class Drawer(Protocol):
         """Renders images; see `morse.kernel.drawing`."""
@@ -117,10 +117,10 @@ def light_nodes(scene: Scene) -> list[Node]:
 
 def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
     """The lamps of a world at their present poses."""
-    view = world.scene.settings.view
+    view, as_in_1_4 = world.scene.settings.view, world.scene.settings.physics_of_1_4
     nodes = [node for node in all_nodes if world.object_of(node).visible]
     suns = [node for node in nodes if node.light is not None and node.light.type == "SUN"]
-    mixed = bool(suns) and len(suns) < len(nodes)
+    mixed = bool(suns) and len(suns) < len(nodes) and not as_in_1_4
     rows: list[tuple[object, ...]] = []
     sunny, spot = None, None
     for node in _strongest_first(nodes, world, view)[:_MOST_LAMPS]:
@@ -130,7 +130,8 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
         towards, color = np.array(rotation[2::3]), np.array(light.color)
         if light.type == "SUN" and sunny is None:
             sunny = towards
-            strength = _FULL * light.energy * 0.85 * (1.5 if mixed else 1.0) * view.daylight
+            share = 1.0 if as_in_1_4 else 0.85 * (1.5 if mixed else 1.0)
+            strength = _FULL * light.energy * share * view.daylight
             rows.append(_lamp(SUN, (0, 0, 0), towards, color * strength, shape=(1.0, 0.0)))
         elif light.type == "SUN":
             rows.append(_lamp(SUN, (0, 0, 0), towards, color * _FULL * light.energy * view.daylight))
@@ -138,7 +139,8 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
             half = _FULL * light.energy * 0.5 * view.daylight
             rows.append(_lamp(HEMISPHERE, (0, 0, 0), towards, color * half, ground=np.full(3, 0.051 * half)))
         else:
-            share = 0.5 * (0.7 if mixed else 1.0) * max(light.distance, 0.0) ** _DECAY
+            decay = max(light.distance, 1e-3) if as_in_1_4 else _DECAY
+            share = 1.0 if as_in_1_4 else 0.5 * (0.7 if mixed else 1.0) * max(light.distance, 0.0) ** _DECAY
             is_area = light.type == "AREA"
             angle, edge = (_AREA, 1.0) if is_area else (min(max(light.spot_size / 2, 1e-3), 1.5), 0.3)
             kind = SPOT if is_area or light.type == "SPOT" else POINT
@@ -147,13 +149,17 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
             if casts:
                 spot = Spot(tuple(position), tuple(rotation), angle)
             strength = _FULL * light.energy * share
-            rows.append(_lamp(kind, position, towards, color * strength, shape=shape, ground=(float(casts), 0.0, 0.0)))
+            ground = (float(casts), 0.0, 0.0)
+            rows.append(_lamp(kind, position, towards, color * strength, shape=shape, ground=ground, decay=decay))
+    has_sun = sunny is not None
     if sunny is None:
         sunny = np.array(_TOWARDS_SUN) / norm(_TOWARDS_SUN)
+    if not has_sun and not (as_in_1_4 and nodes):
         # with lamps in the scene, the sun is faint
         strength = _FULL * (0.35 if nodes else 0.95) * 0.85 * view.daylight
         rows.append(_lamp(SUN, (0, 0, 0), sunny, _srgb(0xFFF3E2) * strength, shape=(1.0, 0.0)))
-    rows.append(_sky_light(view, bool(nodes), mixed))
+    if not (as_in_1_4 and nodes):
+        rows.append(_sky_light(view, bool(nodes), mixed))
     lamps = np.array(rows, dtype=LAMP)
     for name in LAMP.names or ():
         lamps[name] = np.nan_to_num(lamps[name], nan=0.0, posinf=1e6, neginf=-1e6)
@@ -168,8 +174,9 @@ def _sky_light(view: ViewSettings, lit: bool, mixed: bool) -> tuple[object, ...]
     return _lamp(HEMISPHERE, (0, 0, 0), (0, 0, 1), above * strength, ground=below * strength)
 
 
-def sky_of(view: ViewSettings, sunny: NDArray[np.float64]) -> NDArray[np.float32]:
+def sky_of(settings: Settings, sunny: NDArray[np.float64]) -> NDArray[np.float32]:
     """(20,) float32, see `morse.kernel.drawing.arrays.Light`."""
+    view = settings.view
     horizon, zenith, nadir, glow = _srgb(0xF4F8FB), _srgb(0x6EA6DE), _srgb(0xC3CAD0), _srgb(0xFFF1D6)
     if view.horizon_color:
         horizon = np.array(view.horizon_color, dtype=np.float64)
@@ -178,7 +185,9 @@ def sky_of(view: ViewSettings, sunny: NDArray[np.float64]) -> NDArray[np.float32
     mist = (0.0, 0.0)
     if view.mist is not None and view.mist.enabled:
         mist = (view.mist.start, max(view.mist.depth, 1e-3))
-    return np.concatenate([horizon, zenith, nadir, glow, sunny, mist, np.zeros(3)]).astype(np.float32)
+    return np.concatenate([horizon, zenith, nadir, glow, sunny, mist, [settings.physics_of_1_4, 0, 0]]).astype(
+        np.float32
+    )
 
 
 def _strongest_first(nodes: Sequence[Node], world: World, view: ViewSettings) -> list[Node]:
@@ -202,6 +211,7 @@ def _lamp(
     color: ArrayLike,
     shape: tuple[float, float] = (0.0, 0.0),
     ground: ArrayLike = (0.0, 0.0, 0.0),
+    decay: float = _DECAY,
 ) -> tuple[object, ...]:
     """A row of `LAMP`; for a sun, ``shape`` is whether it casts shadows, for a spot, the range of its edge."""
     return (
@@ -209,7 +219,7 @@ def _lamp(
         tuple(np.asarray(place)),
         tuple(np.asarray(towards)),
         tuple(np.asarray(color)),
-        _DECAY,
+        decay,
         *shape,
         tuple(np.asarray(ground)),
     )

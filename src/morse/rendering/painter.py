@@ -238,7 +238,7 @@ class LitWorld:
         key = self._present_key()
         if self._now is None or key != self._key:
             lamps = lamps_of(self._nodes, self._world)
-            self._key, self._now = key, (lamps, sky_of(self._world.scene.settings.view, lamps.sunny))
+            self._key, self._now = key, (lamps, sky_of(self._world.scene.settings, lamps.sunny))
         return self._now
 
     def _present_key(self) -> list[object]:

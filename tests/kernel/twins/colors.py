@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.drawing.arrays import ENCODED, SAMPLES, SHADELESS
-from tests.kernel.twins.light import dot, lit, mixed, sky_in, tone, unit, within
+from tests.kernel.twins.light import code, dot, light_of_code, lit, mixed, sky_in, tone, unit, within
 from tests.kernel.twins.normals import along, normals_at
 
 if TYPE_CHECKING:
@@ -141,7 +141,10 @@ def _colors(
     r, sky = k["axes"], light.sky
     cx, cy = (x - k["cx"]) * (_ONE / k["fx"]), (y - k["cy"]) * (_ONE / k["fy"])
     direction = unit([r[i] * cx + r[3 + i] * cy + r[6 + i] for i in range(3)])
-    sky_color = tone([part * k["exposure"] for part in sky_in(sky, direction)])
+    coded = sky[17] > 0
+    sky_color = [part * k["exposure"] for part in sky_in(sky, direction)]
+    if not coded:
+        sky_color = tone(sky_color)
     result = np.stack(sky_color, axis=1)
     solid = np.flatnonzero(~none)
     if not len(solid):
@@ -163,15 +166,17 @@ def _colors(
     ray = [r[i] * cx + r[3 + i] * cy + r[6 + i] for i in range(3)]
     place = [eye[i] + ray[i] * depth for i in range(3)]
     toward = [direction[i][solid] * np.float32(-1) for i in range(3)]
-    color = lit(light, place, normal, toward, base, material["metallic"], material["roughness"])
-    color = [color[i] + material["emission"][:, i] for i in range(3)]
+    shown = code if coded else np.asarray
+    own = [shown(part) for part in base]
+    color = lit(light, place, normal, toward, own, material["metallic"], material["roughness"])
+    color = [color[i] + shown(material["emission"][:, i]) for i in range(3)]
     if sky[16] > 0:
         t = within((depth - sky[15]) * (_ONE / sky[16]), 0, 1)
-        color = mixed(color, [sky[0], sky[1], sky[2]], t * t * (np.float32(3) - np.float32(2) * t))
+        color = mixed(color, [shown(sky[i : i + 1]) for i in range(3)], t * t * (np.float32(3) - np.float32(2) * t))
     plain = material["flags"] & SHADELESS != 0
-    result[solid] = np.where(
-        plain[:, None], np.stack(base, axis=1), np.stack(tone([part * k["exposure"] for part in color]), axis=1)
-    )
+    color = [part * k["exposure"] for part in color]
+    color = [light_of_code(within(part, 0, 1)) for part in color] if coded else tone(color)
+    result[solid] = np.where(plain[:, None], np.stack(base, axis=1), np.stack(color, axis=1))
     return result
 
 

@@ -82,6 +82,19 @@ def sky_in(sky: Floats, d: Vectors) -> list[Floats]:
     return [part + glare * glow for part, glare in zip(c, sky[9:12], strict=True)]
 
 
+def code(v: Floats) -> Floats:
+    """Linear light as a code of sRGB, 0 to 1."""
+    above: Floats = f(1.055) * power(np.where(v > f(1e-6), v, f(1e-6)), f(1 / np.float32(2.4))) - f(0.055)
+    return np.where(v < f(0.0031308), f(12.92) * v, above).astype(np.float32)
+
+
+def light_of_code(v: Floats) -> Floats:
+    """The linear light of a code of sRGB, 0 to 1."""
+    part = (v + f(0.055)) * f(1 / np.float32(1.055))
+    above = power(np.where(part > f(1e-6), part, f(1e-6)), f(2.4))
+    return np.where(v < f(0.04045), v * f(1 / np.float32(12.92)), above).astype(np.float32)
+
+
 def _filmic(v: Floats) -> Floats:
     value: Floats = (v * (v + f(0.0245786)) - f(0.000090537)) / (v * (f(0.983729) * v + f(0.4329510)) + f(0.238081))
     return value
@@ -182,7 +195,11 @@ def lit(
             far = np.sqrt(np.where(square > f(1e-8), square, f(1e-8)))
             inverse = f(1) / far
             way = [part * inverse for part in way]
-            fade = power(far, -k["decay"])
+            if light.sky[17] > 0:
+                ratio = far * (f(1) / k["decay"])
+                fade = f(1) / (f(1) + ratio * ratio)
+            else:
+                fade = power(far, -k["decay"])
             if k["kind"] == SPOT:
                 t = within((dot(way, to) - k["outer"]) * (f(1) / (k["inner"] - k["outer"])), 0, 1)
                 fade = fade * (t * t * (f(3) - f(2) * t))
@@ -208,5 +225,7 @@ def lit(
         factor = a2 * (square * square) * (f(0.5) / f(3.14159265)) / (t * t * shadowed)
         for i, mirrored in enumerate(mixed(f0, [f(1)] * 3, q2 * q2 * q)):
             shine[i] = shine[i] + shone[i] * mirrored * factor
+    if light.sky[17] > 0:
+        return [base[i] * diffuse[i] * f(np.float32(0.8) / np.float32(3.14159265)) for i in range(3)]
     matt = (f(1) - metallic) * f(1 / np.float32(3.14159265))
     return [base[i] * diffuse[i] * matt + shine[i] for i in range(3)]

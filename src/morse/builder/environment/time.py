@@ -52,7 +52,8 @@ class TimeMethods(EnvironmentDescription):
         """Set whether driven robots are as slow as in the engine of MORSE 1.4, to which old tests were adjusted.
 
         Friction and damping then reduce their speeds, robots on four wheels turn 2 % less, and the origin on the Earth
-        is rounded to single precision. Sleeps of clients end a tick later, after the messages of that tick.
+        is rounded to single precision. Sleeps of clients end a tick later, after the messages of that tick. Images of
+        cameras have the colours of MORSE 1.4: lamps add up without tone mapping, and nothing shines or mirrors.
         """
         self.settings.physics_of_1_4 = checks.boolean(value, "env.use_physics_of_1_4(value)")
         if value:

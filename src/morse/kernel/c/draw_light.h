@@ -9,6 +9,11 @@
 // Share of light that a dielectric surface reflects at normal incidence.
 #define SPECULAR 0.04f
 #define PI_F 3.14159265f
+// The place in Frame.sky that says whether surfaces look as in MORSE 1.4: lamps multiply codes of sRGB, nothing is
+// mirrored, and no tones are mapped.
+#define AS_IN_1_4 17
+// Share of light that a surface returned there.
+#define RETURNED 0.8f
 
 static inline V3 sky_in(const float *sky, V3 d) {
     const F8 zero = splat(0), rise = 1 - power(greater(1 - greater(d.z, zero), splat(1e-6f)), 2.6f);
@@ -18,6 +23,18 @@ static inline V3 sky_in(const float *sky, V3 d) {
     const V3 c = mixed(mixed(everywhere(sky), everywhere(sky + 3), rise), everywhere(sky + 6), 1 - fall * fall);
     return sum(c, scaled(everywhere(sky + 9), 0.22f * n8 * n4 + 0.5f * n128 * n128 * n128 * n16));
 }
+
+// Linear light as a code of sRGB, 0 to 1.
+static inline F8 code(F8 v) {
+    return pick(v < 0.0031308f, 12.92f * v, 1.055f * power(greater(v, splat(1e-6f)), 1 / 2.4f) - 0.055f);
+}
+
+static inline F8 light_of_code(F8 v) {
+    return pick(v < 0.04045f, v * (1 / 12.92f), power(greater((v + 0.055f) * (1 / 1.055f), splat(1e-6f)), 2.4f));
+}
+
+static inline V3 codes(V3 c) { return (V3){code(c.x), code(c.y), code(c.z)}; }
+static inline V3 light_of_codes(V3 c) { return (V3){light_of_code(c.x), light_of_code(c.y), light_of_code(c.z)}; }
 
 static inline F8 filmic(F8 v) {
     return (v * (v + 0.0245786f) - 0.000090537f) / (v * (0.983729f * v + 0.4329510f) + 0.238081f);
@@ -164,7 +181,13 @@ static inline V3 lit(const Frame *f, const Looks *l, V3 v, V3 base) {
         if (kind != SUN_LAMP) {
             V3 way = {splat(k->place[0]) - place.x, splat(k->place[1]) - place.y, splat(k->place[2]) - place.z};
             const F8 far = root(greater(dot(way, way), splat(1e-8f)));
-            way = scaled(way, 1 / far), fade = power(far, -k->decay);
+            way = scaled(way, 1 / far);
+            if (f->sky[AS_IN_1_4] > 0) {
+                const F8 t = far * (1 / k->decay);
+                fade = 1 / (1 + t * t);
+            } else {
+                fade = power(far, -k->decay);
+            }
             if (kind == SPOT_LAMP) {
                 const F8 t = within((dot(way, to) - k->outer) * (1 / (k->inner - k->outer)), 0, 1);
                 fade *= t * t * (3 - 2 * t);
@@ -183,5 +206,6 @@ static inline V3 lit(const Frame *f, const Looks *l, V3 v, V3 base) {
         const V3 mirrored = product(light, mixed(f0, grey(1), q2 * q2 * q));
         shine = sum(shine, scaled(mirrored, a2 * (s * s) * (0.5f / PI_F) / (t * t * shadowed)));
     }
+    if (f->sky[AS_IN_1_4] > 0) return scaled(product(base, diffuse), splat(RETURNED / PI_F));
     return sum(scaled(product(base, diffuse), (1 - metallic) * (1 / PI_F)), shine);
 }

@@ -53,7 +53,9 @@ static __attribute__((noinline)) void shade_sky(const Frame *f, const Camera *k,
                                                 V3 *light) {
     EACH(g, groups) light[g] = unit(ray_of(k, l[g].x, l[g].y));
     EACH(g, groups) light[g] = sky_in(f->sky, light[g]);
-    EACH(g, groups) light[g] = visible(tone(scaled(light[g], splat(k->exposure))));
+    EACH(g, groups) light[g] = scaled(light[g], splat(k->exposure));
+    if (f->sky[AS_IN_1_4] <= 0) EACH(g, groups) light[g] = tone(light[g]);
+    EACH(g, groups) light[g] = visible(light[g]);
 }
 
 // The textures of eight samples, and where they are.
@@ -66,15 +68,17 @@ static inline void look_closer(const Frame *f, const Camera *k, Looks *l) {
 // The light of surfaces in eight samples, 0 to 1.
 static inline V3 shade(const Frame *f, const Camera *k, const Looks *l) {
     const float *sky = f->sky;
-    const V3 base = {l->r, l->g, l->b};
+    const V3 base = {l->r, l->g, l->b}, glow = {l->er, l->eg, l->eb};
     if (!any(~l->plain)) return visible(base);
-    V3 c = lit(f, l, scaled(unit(l->ray), splat(-1)), base);
-    c = sum(c, (V3){l->er, l->eg, l->eb});
+    const int coded = sky[AS_IN_1_4] > 0;
+    V3 c = lit(f, l, scaled(unit(l->ray), splat(-1)), coded ? codes(base) : base);
+    c = sum(c, coded ? codes(glow) : glow);
     if (sky[16] > 0) {
         const F8 t = within((l->depth - sky[15]) * (1 / sky[16]), 0, 1);
-        c = mixed(c, everywhere(sky), t * t * (3 - 2 * t));
+        c = mixed(c, coded ? codes(everywhere(sky)) : everywhere(sky), t * t * (3 - 2 * t));
     }
-    return visible(chosen(l->plain, base, tone(scaled(c, splat(k->exposure)))));
+    c = scaled(c, splat(k->exposure));
+    return visible(chosen(l->plain, base, coded ? light_of_codes(visible(c)) : tone(c)));
 }
 
 // The light of surfaces in groups of eight samples, step by step.

@@ -149,7 +149,9 @@ class Light(NamedTuple):
 
     Attributes:
         lamps: (L,) `LAMP`.
-        sky: (20,) float32, RGB of horizon, zenith, ground and glow, direction to the sun, begin and depth of mist.
+        sky: (20,) float32, RGB of horizon, zenith, ground and glow, direction to the sun, begin and depth of mist,
+            and 1 if surfaces look as in MORSE 1.4: lamps multiply codes of sRGB, nothing is mirrored, no tones are
+            mapped, and ``decay`` of a lamp is the distance of half of its light, m.
         sun: (16,) float32, world to the shadow map: three rows of a 3x4 matrix, and the width of a texel, m.
         shadow: (H, W) float32, distance of the nearest surface from the sun, m; None without shadows.
         near_sun, near_shadow: a finer map of a part of the world, or None; it has priority over the other map.
