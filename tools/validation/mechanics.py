@@ -37,6 +37,8 @@ def figures() -> Iterator[Figure]:
     yield from projectile()
     for restitution in (0.2, 0.5, 0.8, 0.9):
         yield bounce(restitution)
+    for restitution in (0.5, 0.8):
+        yield bounces(restitution)
     yield spin()
     yield top("RK4", 0.1, "steady precession of a heavy top")
     yield top("implicitfast", 5.0, "as above; of first order, as the default is: the error is proportional to the step")
@@ -137,8 +139,8 @@ def projectile() -> Iterator[Figure]:
     )
 
 
-def bounce(restitution: float) -> Figure:
-    """The rebound of a ball from 1 m."""
+def heights_of_ball(restitution: float, ticks: int) -> list[float]:
+    """The heights of a ball above the floor, m, tick by tick, after it is let go at 1 m."""
     text = (
         "body = PassiveObject('{folder}/ball.obj')\nbody.translate(0, 0, 1.1)\n"
         f"body.set_restitution({restitution})\n" + NO_DAMPING
@@ -146,9 +148,30 @@ def bounce(restitution: float) -> Figure:
     with scene(text + "env = Environment('empty', fastmode=True)", {"ball.obj": ball}) as sim:
         body = sim.world.game_object("body")
         heights = []
-        for _ in range(90):
+        for _ in range(ticks):
             sim.step(1)
             heights.append(body.world_pose()[0][2] - 0.1)
+    return heights
+
+
+def bounces(restitution: float) -> Figure:
+    """The height that a ball reaches after its third bounce."""
+    heights = heights_of_ball(restitution, 300)
+    tops = [b for a, b, c in zip(heights, heights[1:], heights[2:], strict=False) if a < b >= c and b > 0.0]
+    expected = restitution**6
+    return Figure(
+        f"ball with restitution {restitution}, from 1 m",
+        "height after three bounces, m",
+        expected,
+        tops[2],
+        max(0.02 * expected, 1e-3),
+        "h e⁶",
+    )
+
+
+def bounce(restitution: float) -> Figure:
+    """The rebound of a ball from 1 m."""
+    heights = heights_of_ball(restitution, 90)
     lowest = next(k for k in range(1, len(heights)) if heights[k] > heights[k - 1])
     measured = math.sqrt(max(*heights[lowest:], 0.0))
     return Figure(

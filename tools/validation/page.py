@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 sys.path.insert(0, str(Path(__file__).parent))
 
 import engine
+import linkages
 import mechanics
 import pictures
 import seeing
@@ -18,7 +19,13 @@ if TYPE_CHECKING:
     from figures import Figure
 
 DOCS = Path(__file__).parents[2] / "docs"
-CHAPTERS = (("Mechanics", mechanics), ("Sensors", sensing), ("Cameras", seeing), ("The engine", engine))
+CHAPTERS = (
+    ("Mechanics", mechanics),
+    ("Linkages and arms", linkages),
+    ("Sensors", sensing),
+    ("Cameras", seeing),
+    ("The engine", engine),
+)
 HEAD = """# Validation
 
 What the models give, and what they should give. `python -m tools validation` measures everything again and writes this

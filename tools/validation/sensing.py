@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from figures import Figure, scene
 
+from morse.core.kinds.binding import bind
+from morse.helpers.geodesy import LocalPlane
+from morse.sensors.magnetometer import DEFAULT_YEAR, MagneticField
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -22,6 +26,7 @@ def figures() -> Iterator[Figure]:
     yield ranges()
     yield from inertial()
     yield from on_the_earth()
+    yield from compass()
     yield from pressure()
 
 
@@ -115,6 +120,54 @@ env.properties(longitude=0.0, latitude=80.0, altitude=0.0)
     source = "test values of the WMM2015, NOAA/NCEI and BGS"
     for name, expected, measured in zip(("north", "east", "down"), (6627.1, -445.9, 54432.3), values, strict=True):
         yield Figure("magnetic field at 80° N, 2015.0", f"{name}, nT", expected, measured, 0.1, source)
+
+
+def compass() -> Iterator[Figure]:
+    """The largest errors of what says where north is, once around a circle, in a world that is turned."""
+    turned = 0.7
+    text = f"""
+robot = FakeRobot()
+motion = MotionVW()
+robot.append(motion)
+gps = GPS()
+gps.level("extended")
+robot.append(gps)
+field = Magnetometer()
+robot.append(field)
+attitude = Attitude()
+attitude.properties(UseAngleAgainstNorth=True)
+robot.append(attitude)
+env = Environment('empty', fastmode=True)
+env.properties(longitude=7.6, latitude=46.9, altitude=540.0, angle_against_north={turned})
+"""
+    place = LocalPlane(7.6, 46.9, 540.0)
+    north, east, _ = MagneticField(place, DEFAULT_YEAR, None).north_east_down((0.0, 0.0, 0.0))
+    names = ("GPS, heading", "magnetometer, message in the axes of the sensor", "attitude, yaw against east")
+    worst = dict.fromkeys(names, 0.0)
+    with scene(text) as sim:
+        (magnetic,) = [
+            kind for kind in bind(sim.context.component("robot.field")) if kind.kind.name == "magnetic_field"
+        ]
+        sim.robot.motion.publish({"v": 2.0, "w": 1.0})
+        for _ in range(16):
+            sim.step(24)
+            ahead = sim.world.game_object("robot").world_pose()[1]
+            x, y, _ = LocalPlane(7.6, 46.9, 540.0, turned).enu_of((ahead[0], ahead[3], 0.0))
+            field = magnetic.gather().field
+            # the mean course of the last tick of a circle is half of its turn behind the heading, which decreases
+            course = math.radians(sim.robot.gps.data["heading"]) - 0.5 / 60.0
+            bearings = (
+                course,
+                math.atan2(field[1], field[0]) + math.atan2(east, north),
+                math.pi / 2.0 - float(sim.context.component("robot.attitude").local_data["rotation"][2]),
+            )
+            for name, bearing in zip(names, bearings, strict=True):
+                worst[name] = max(worst[name], abs(math.remainder(bearing - math.atan2(x, y), math.tau)))
+    for name in names:
+        source = "angle of the X axis from north, clockwise"
+        yield Figure(
+            f"once around the compass: {name}", "largest error, °", 0.0, math.degrees(worst[name]), 0.1, source
+        )
 
 
 def pressure() -> Iterator[Figure]:
