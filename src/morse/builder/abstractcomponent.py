@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import logging
 from abc import ABCMeta
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from morse.builder import workspace
 from morse.builder.compatibility import call_of_today
@@ -309,7 +309,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part, metaclass=_Whole):
         for key, value in properties.items():
             self.scene_node.properties[key] = checked_property(key, value)
         if "frequency" in properties:
-            self.frequency(properties["frequency"])
+            self.frequency(cast("float", properties["frequency"]))
 
     def property_value(self, name: str) -> Value:
         """Return the value of a property, or None if it is not set."""

@@ -6,7 +6,7 @@ import copy
 import math
 from collections import deque
 from copy import deepcopy
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -24,14 +24,39 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.interfaces import Component
     from morse.core.sensor import Sensor
-    from morse.core.values import Fields, StateData, Value
+    from morse.core.values import Fields, Value
     from morse.scene.realism import NoiseModel, RealismModel
 
 
 _WIDE = 16
 
 
-def generator_state(generator: np.random.Generator) -> dict[str, object]:
+class GeneratorState(TypedDict):
+    """What determines all future numbers of a generator."""
+
+    state: bytes
+    increment: bytes
+    half_used: int
+    half: int
+
+
+class NoiseState(TypedDict):
+    """What determines the future errors of a `Noise`."""
+
+    random: GeneratorState
+    bias: NDArray[np.float64] | float
+
+
+class RealismState(TypedDict):
+    """What determines the future data of a `Realism`."""
+
+    truth: Fields
+    last: float | None
+    waiting: list[list[Any]]
+    noises: dict[str, NoiseState]
+
+
+def generator_state(generator: np.random.Generator) -> GeneratorState:
     """Return the state that determines all future numbers of a generator from `Context.random`."""
     state = generator.bit_generator.state
     return {
@@ -43,7 +68,7 @@ def generator_state(generator: np.random.Generator) -> dict[str, object]:
     }
 
 
-def set_generator_state(generator: np.random.Generator, state: StateData) -> None:
+def set_generator_state(generator: np.random.Generator, state: GeneratorState) -> None:
     """Restore a state that `generator_state` returned."""
     generator.bit_generator.state = {
         "bit_generator": "PCG64",
@@ -123,11 +148,11 @@ class Noise:
             values = np.where(np.isfinite(values), in_range, values)
         return values
 
-    def get_state(self) -> StateData:
+    def get_state(self) -> NoiseState:
         """Return the state that determines the future errors, as plain data."""
         return {"random": generator_state(self._random), "bias": copy.copy(self._bias)}
 
-    def set_state(self, state: StateData) -> None:
+    def set_state(self, state: NoiseState) -> None:
         """Restore a state that `get_state` returned."""
         set_generator_state(self._random, state["random"])
         self._bias = copy.copy(state["bias"])
@@ -244,7 +269,7 @@ class Realism:
             data.update(self._waiting.popleft()[1])
             self._publish()
 
-    def get_state(self) -> StateData:
+    def get_state(self) -> RealismState:
         """Return the state that determines the future data, as plain data."""
         return {
             "truth": copied(self._truth),
@@ -253,7 +278,7 @@ class Realism:
             "noises": {name: noise.get_state() for name, noise in self._noises.items()},
         }
 
-    def set_state(self, state: StateData) -> None:
+    def set_state(self, state: RealismState) -> None:
         """Restore a state that `get_state` returned."""
         self._truth = copied(state["truth"])
         self._last = state["last"]

@@ -13,12 +13,12 @@ Value: TypeAlias = Any
 #: values of data fields, by name: ``local_data``, commands, measurements
 Fields: TypeAlias = dict[str, Value]
 #: properties of an object, by name: numbers, texts, lists and others that scripts and files set
-Properties: TypeAlias = dict[str, Value]
+Properties: TypeAlias = dict[str, object]
 #: options that scripts give to streams, modifiers and managers
-Options: TypeAlias = dict[str, Value]
+Options: TypeAlias = dict[str, Any]
 #: the state of a part as plain data, see `morse.core.state`
-StateData: TypeAlias = dict[str, Any]
+StateData: TypeAlias = dict[str, object]
 #: a message of ROS: names of its fields to numbers, texts, arrays, lists and messages
 RosMessage: TypeAlias = dict[str, Any]
 #: an object in JSON
-JsonObject: TypeAlias = dict[str, Any]
+JsonObject: TypeAlias = dict[str, object]

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict, cast
 
 import numpy as np
 
 from morse.core.exceptions import MorseBuilderError
-from morse.core.realism import Realism, copied
+from morse.core.realism import Realism, RealismState, copied
 from morse.core.state import StateError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.sensor import Pose
-    from morse.core.values import Fields, StateData
+    from morse.core.values import Fields
     from morse.rendering import Lens, Picture
     from morse.rendering.picture import Shot
     from morse.scene.realism import RealismModel
@@ -42,6 +42,18 @@ def _stored(uses: Sequence[str]) -> list[str]:
     return list(dict.fromkeys("rgba" if name == "rgb" else name for name in uses))
 
 
+class _ExposureState(TypedDict):
+    time: float
+    noted: object
+    pose: list[list[float]] | None
+    is_metered: bool
+    picture: Fields
+
+
+class _State(RealismState):
+    exposures: list[_ExposureState]
+
+
 class Exposure:
     """An image of a tick, which may still be rendered.
 
@@ -62,7 +74,7 @@ class Exposure:
         """Return the image, and wait until it is complete."""
         return self._shot.picture()
 
-    def get_state(self, uses: Sequence[str]) -> StateData:
+    def get_state(self, uses: Sequence[str]) -> _ExposureState:
         """Return the complete image, with some of its fields, as plain data."""
         picture = self.picture()
         return {
@@ -74,7 +86,7 @@ class Exposure:
         }
 
     @classmethod
-    def from_state(cls, state: StateData, uses: Sequence[str]) -> Exposure:
+    def from_state(cls, state: _ExposureState, uses: Sequence[str]) -> Exposure:
         """Restore an image with some of its fields.
 
         Raises:
@@ -173,11 +185,12 @@ class DelayedPictures(Realism):
         self.exposures.clear()
         return count
 
-    def get_state(self) -> StateData:
+    def get_state(self) -> _State:
         """Return the state, with all unfinished images, which are completed first."""
         return {**super().get_state(), "exposures": [exposure.get_state(self._uses) for exposure in self.exposures]}
 
-    def set_state(self, state: StateData) -> None:
+    def set_state(self, state: RealismState) -> None:
         """Restore a state that `get_state` returned."""
         super().set_state(state)
-        self.exposures = deque(Exposure.from_state(one, self._uses) for one in state["exposures"])
+        exposures = cast("_State", state)["exposures"]
+        self.exposures = deque(Exposure.from_state(exposure, self._uses) for exposure in exposures)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypedDict
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.realism import generator_state, set_generator_state
@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
     import numpy as np
 
+    from morse.core.realism import GeneratorState
     from morse.core.robot import Robot
-    from morse.core.values import Fields, StateData, Value
+    from morse.core.values import Fields, Value
     from morse.core.world import Body
 
 
@@ -54,6 +55,12 @@ class ErrorTerms(NamedTuple):
         """Return the errors of measurements with a frequency, Hz, like `AbstractModifier.changes`."""
         white = [math.hypot(density * math.sqrt(frequency), self.spread) for density in self.density]
         return {"stddev": white, "walk": self.random_walk}
+
+
+class _NoiseState(TypedDict):
+    random: GeneratorState
+    bias: list[float]
+    walk: list[float]
 
 
 class InertialErrors:
@@ -97,11 +104,11 @@ class InertialErrors:
             z + bias_z + drift_z + sigma_z * white_z,
         ]
 
-    def get_state(self) -> StateData:
+    def get_state(self) -> _NoiseState:
         """Return the state that determines the future errors."""
         return {"random": generator_state(self._random), "bias": list(self._bias), "walk": list(self._walk)}
 
-    def set_state(self, state: StateData) -> None:
+    def set_state(self, state: _NoiseState) -> None:
         """Restore a state that `get_state` returned."""
         set_generator_state(self._random, state["random"])
         self._bias, self._walk = list(state["bias"]), list(state["walk"])

@@ -38,10 +38,12 @@ def details(context: Context) -> JsonObject:
 
 
 def _robot(context: Context, name: str, robot: object, declarations: dict[str, ComponentDeclaration]) -> JsonObject:
-    description: JsonObject = {"name": name, "type": type(robot).__name__, "components": {}}
-    for component_name, component in context.components.items():
-        if component.robot_parent is robot:
-            description["components"][component_name] = _component(context, component, declarations[component_name])
+    components = {
+        component_name: _component(context, component, declarations[component_name])
+        for component_name, component in context.components.items()
+        if component.robot_parent is robot
+    }
+    description: JsonObject = {"name": name, "type": type(robot).__name__, "components": components}
     services = _services(context, name)
     if services:
         description["services"] = services

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import PurePath
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
 
 from morse.assets.collision import resolve_shapes
 from morse.assets.formats import suffixes
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from morse.core.object import Object
     from morse.core.overlay import MorseOverlay
-    from morse.core.values import StateData
     from morse.core.world import Body
     from morse.scene import ComponentDeclaration, Node, Zone
     from morse.simulation.simulation import Simulation
@@ -38,6 +37,13 @@ _T = TypeVar("_T")
 _NO_MAKERS: Mapping[str, Callable[[], object]] = MappingProxyType({})
 #: maximum number of objects in a scene, so that clients cannot exhaust the memory
 _MOST_ROOTS = 20_000
+
+
+class PopulationState(TypedDict):
+    """The spawned objects, each as name, kind, position and rotation, and the names of the deleted objects."""
+
+    came: list[list[Any]]
+    gone: list[str]
 
 
 class Recipe(NamedTuple):
@@ -360,7 +366,7 @@ class Population:
         nodes = {node for root in roots for node in root.walk()}
         return Newcomer(roots, [component for component in scene.components if component.node in nodes])
 
-    def get_state(self) -> StateData:
+    def get_state(self) -> PopulationState:
         """Return the spawned objects with their kinds and poses, and the names of the deleted objects.
 
         An object that a function of the process created is saved by name only, and cannot be recreated in another
@@ -376,7 +382,7 @@ class Population:
             "gone": [root.name for root in self._launch[0] if id(root) not in present],
         }
 
-    def set_state(self, state: StateData, makers: Mapping[str, Callable[[], object]] = _NO_MAKERS) -> None:
+    def set_state(self, state: PopulationState, makers: Mapping[str, Callable[[], object]] = _NO_MAKERS) -> None:
         """Spawn and delete robots and objects until they match the state.
 
         Args:

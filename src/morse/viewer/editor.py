@@ -268,7 +268,7 @@ class Editor:
 
     def _delete_guest(self, name: str, *, undoable: bool) -> str:
         """Delete an object that a client has spawned."""
-        came: list[list[Any]] = self._simulation.population.get_state()["came"]
+        came = self._simulation.population.get_state()["came"]
         self._services.run("simulation", "delete", name)
         for guest, kind, position, angles in came:
             if guest == name and kind and undoable:

@@ -93,7 +93,8 @@ def check_generator(name: str, state: StateData) -> None:
     """Raise an error for a state that would make numpy read beyond its table."""
     if name in _PLACES:
         part, key, size = _PLACES[name]
-        check_place((state[part] if part else state)[key], size)
+        place = state[part] if part else state
+        check_place(place.get(key) if isinstance(place, dict) else None, size)
 
 
 def check_place(place: object, size: int) -> None:

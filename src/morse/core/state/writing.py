@@ -57,7 +57,7 @@ _PLAIN = frozenset((type(None), bool, float, bytes))
 _LARGEST = 2**63
 _DICTS: dict[type, str] = {dict: "dict", OrderedDict: "ordered dict", LocalData: "local data", Counter: "counter"}
 #: factories of a `defaultdict` that are saved; others stay unchanged
-FACTORIES: StateData = {cls.__name__: cls for cls in (list, dict, set, int, float, str, bool, tuple, deque)}
+FACTORIES: dict[str, type] = {cls.__name__: cls for cls in (list, dict, set, int, float, str, bool, tuple, deque)}
 _VALUES = (Vector, Quaternion, Euler, Color)
 #: subclasses of these have their items saved
 ITEMS = (list, dict, set)

@@ -60,13 +60,18 @@ def rewind(state: EngineState, numbers: NDArray[np.float64], asleep: NDArray[np.
     state.sleep.set(asleep)
 
 
+def integration(state: EngineState) -> NDArray[np.float64]:
+    """Return MuJoCo's ``mjSTATE_INTEGRATION``."""
+    numbers = np.empty(mujoco.mj_stateSize(state.model, STATE))
+    mujoco.mj_getState(state.model, state.data, numbers, STATE)
+    return numbers
+
+
 def get_state(state: EngineState) -> StateData:
     """See `morse.physics.state.saved.SavedEngine`."""
     model, data = state.model, state.data
-    numbers = np.empty(mujoco.mj_stateSize(model, STATE))
-    mujoco.mj_getState(model, data, numbers, STATE)
     return {
-        "integration": numbers,
+        "integration": integration(state),
         "asleep": data.tree_asleep.copy(),
         "model": {name: getattr(model, name).copy() for name in CHANGED_WHILE_RUNNING},
         "contacts": contact_pairs(state).copy(),

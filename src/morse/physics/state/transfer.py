@@ -124,7 +124,7 @@ class Transfer:
             # static shapes have the poses of the new scene, unless they were moved by explicit calls
             is_placed = b.body == 0 and b.frame.node.name not in loose
             self._carry_shapes(a, b, model, _OF_CONTACTS if is_placed else _OF_SURFACES)
-        numbers = engine_values.get_state(new)["integration"]
+        numbers = engine_values.integration(new)
         return saved.SavedEngine(numbers, self._asleep(), model, self._contacts(before), before.engine.forces, True)
 
     def _carry_motion(self, a: Slot, b: Slot) -> None:

@@ -8,7 +8,7 @@ import sys
 from enum import Enum
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 from weakref import WeakKeyDictionary
 
 import msgspec
@@ -32,7 +32,10 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
     from morse.core.world import World
+    from morse.simulation.population import PopulationState
     from morse.simulation.simulation import Simulation
+
+_T = TypeVar("_T")
 
 
 # Maps the parts of a simulation, and the variables of its project, to names in states and back.
@@ -176,14 +179,14 @@ _LAST_TICK = 2**53
 
 class _Clock(msgspec.Struct, forbid_unknown_fields=True):
     tick: int
-    seed: Any
+    seed: int
     origin: float = 0.0
     robots: dict[str, int] = {}
 
 
 class _Controls(msgspec.Struct, forbid_unknown_fields=True):
     keys: list[str]
-    axes: list[float]
+    axes: list[int | float]
     robot: str | None
 
 
@@ -192,20 +195,19 @@ class _Population(msgspec.Struct, forbid_unknown_fields=True):
     gone: list[str]
 
 
-def _converted(name: str, state: object, kind: type) -> Any:
+def _converted(name: str, state: object, kind: type[_T]) -> _T:
     try:
         return msgspec.convert(state, kind)
     except msgspec.ValidationError as error:
         raise StateError(f"{name}: the saved state is damaged: {error}") from None
 
 
-def check_population(state: Any) -> StateData:
+def check_population(state: object) -> PopulationState:
     """Return the validated state of a population; raise `StateError` if it is not valid."""
-    _converted("population", state, _Population)
-    population: StateData = state
-    if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in population["came"]):
+    population = _converted("population", state, _Population)
+    if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in population.came):
         raise StateError("population: the saved state is damaged: a position and a rotation have 3 numbers")
-    return population
+    return cast("PopulationState", state)
 
 
 class ClockState:
@@ -226,17 +228,18 @@ class ClockState:
 
     def check(self, state: object) -> None:
         """Raise `StateError` if the state is not the state of a clock."""
-        values: _Clock = _converted("clock", state, _Clock)
-        if not 0 <= values.tick <= _LAST_TICK or type(values.seed) is not int:
+        values = _converted("clock", state, _Clock)
+        if not 0 <= values.tick <= _LAST_TICK:
             raise StateError("clock: the saved state is damaged: it has no tick, or no seed")
         if not 0.0 <= values.origin <= _LAST_TICK:
             raise StateError("clock: the saved state is damaged: the time of its start is not a time")
 
-    def set_state(self, state: StateData) -> None:
+    def set_state(self, state: object) -> None:
         """Restore a state that `get_state` returned."""
-        self._simulation.clock.go_to(state["tick"], state.get("origin", 0.0))
-        self._simulation.context.seed = state["seed"]
-        self._simulation.context.robot_seeds = dict(state.get("robots", {}))
+        values = _converted("clock", state, _Clock)
+        self._simulation.clock.go_to(values.tick, values.origin)
+        self._simulation.context.seed = values.seed
+        self._simulation.context.robot_seeds = values.robots
 
 
 class ControlsState:
@@ -254,10 +257,10 @@ class ControlsState:
         """Raise `StateError` if the state is not a state of controls."""
         _converted("controls", state, _Controls)
 
-    def set_state(self, state: StateData) -> None:
+    def set_state(self, state: object) -> None:
         """Restore a state that `get_state` returned."""
-        controls = Controls(frozenset(state["keys"]), tuple(state["axes"]), state["robot"])
-        self._simulation.context.controls = controls
+        values = _converted("controls", state, _Controls)
+        self._simulation.context.controls = Controls(frozenset(values.keys), tuple(values.axes), values.robot)
 
 
 class InputsState:
@@ -397,7 +400,7 @@ class Saving:
         clock.check(parts["clock"])
         clock.set_state(parts["clock"])
 
-    def _read_population(self, state: State) -> StateData:
+    def _read_population(self, state: State) -> PopulationState:
         """Return the state of the population, after a first check that the state belongs to this scene."""
         check = Reader(self._parts, fresh=True)
         if "population" not in state.parts:

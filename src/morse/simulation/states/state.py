@@ -7,7 +7,7 @@ import os
 import tempfile
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
 
@@ -55,7 +55,8 @@ class State:
     @property
     def tick(self) -> int:
         """Number of ticks done."""
-        return int(dict(self.parts["clock"][1])["tick"])
+        _kind, clock = cast("tuple[str, list[tuple[str, int]]]", self.parts["clock"])
+        return int(dict(clock)["tick"])
 
     def fingerprints(self) -> dict[str, str]:
         """Return the SHA-256 of each part, in hexadecimal digits."""
