@@ -19,6 +19,8 @@ Options: TypeAlias = dict[str, Any]
 #: the state of a part as plain data, see `morse.core.state`
 StateData: TypeAlias = dict[str, object]
 #: a message of ROS: names of its fields to numbers, texts, arrays, lists and messages
-RosMessage: TypeAlias = dict[str, Any]
+RosMessage: TypeAlias = dict[str, object]
+#: a message of ROS that was decoded: its values have the types that the definition of its type declares
+DecodedMessage: TypeAlias = dict[str, Any]
 #: an object in JSON
 JsonObject: TypeAlias = dict[str, object]

@@ -24,7 +24,7 @@ from morse.system.extras import install
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from morse.core.values import RosMessage, Value
+    from morse.core.values import DecodedMessage, Value
     from morse.recording.mcap.reader import Channel, McapFile
     from morse.recording.mcap.records import Message
     from morse.rosmsgs.definitions import MessageField
@@ -62,7 +62,7 @@ class Table:
         self.left_out: list[str] = []
         self._type = type_name
         self._without_data = without_data
-        self._getters: list[Callable[[RosMessage], object]] = []
+        self._getters: list[Callable[[DecodedMessage], object]] = []
         try:
             fields = fields_of(type_name)
         except MorseError as error:
@@ -73,12 +73,12 @@ class Table:
         self._add(fields, (), lambda message: message)
 
     def _add(
-        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[RosMessage], Value]
+        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[DecodedMessage], Value]
     ) -> None:
         for field in fields:
             path = (*above, field.name)
 
-            def get(message: RosMessage, name: str = field.name) -> Value:
+            def get(message: DecodedMessage, name: str = field.name) -> Value:
                 return owner(message)[name]
 
             if "/" in field.type and field.size == SINGLE:
@@ -86,7 +86,7 @@ class Table:
             else:
                 self._column(".".join(path), field, get)
 
-    def _column(self, name: str, field: MessageField, get: Callable[[RosMessage], Value]) -> None:
+    def _column(self, name: str, field: MessageField, get: Callable[[DecodedMessage], Value]) -> None:
         if self._without_data and field.type == "uint8" and field.size == SEQUENCE:
             self.left_out.append(name)
         elif field.size == SINGLE:

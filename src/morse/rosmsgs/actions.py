@@ -16,7 +16,7 @@ from morse.rosmsgs.parts import header_at, quaternion, quaternion_of, time, xyz
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.rosmsgs.topics.backend import RosObject
 
 logger = logging.getLogger(__name__)
@@ -104,7 +104,7 @@ class Feedback:
     def _known(self, start: int, stamp: int) -> RosMessage:
         component = getattr(self._owner, "overlaid_object", self._owner)
         robot = getattr(component, "robot_parent", None) or component
-        values: RosMessage = {"navigation_time": (stamp - start) / _SECOND, **self._owner.progress()}
+        values: DecodedMessage = {"navigation_time": (stamp - start) / _SECOND, **self._owner.progress()}
         for name, kind in self._kinds.items():
             if name in _POSES and hasattr(robot, "position_3d"):
                 pose = robot.position_3d

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.rosmsgs.definitions import MessageField
 
     Write = Callable[[bytearray, Any], None]
@@ -68,7 +68,7 @@ def encode_rows(type_name: str, message: RosMessage, count: int) -> NDArray[np.u
     return rows.joined()
 
 
-def decode(type_name: str, data: bytes) -> RosMessage:
+def decode(type_name: str, data: bytes) -> DecodedMessage:
     """Decode a message from untrusted bytes; sequences of numbers become numpy arrays.
 
     Raises:
@@ -77,7 +77,7 @@ def decode(type_name: str, data: bytes) -> RosMessage:
     kind = bytes(data[:2])
     if len(data) < len(_HEADER) or kind not in (_BIG, _LITTLE):
         raise CdrError(f"{type_name}: not CDR version 1: {bytes(data[:4])!r}")
-    message: RosMessage = _struct_reader(type_name, "<" if kind == _LITTLE else ">")(_Bytes(memoryview(data)[4:]))
+    message: DecodedMessage = _struct_reader(type_name, "<" if kind == _LITTLE else ">")(_Bytes(memoryview(data)[4:]))
     return message
 
 
@@ -101,7 +101,7 @@ def _struct_writer(type_name: str) -> Write:
     return write
 
 
-def _write_header(buffer: bytearray, value: RosMessage) -> None:
+def _write_header(buffer: bytearray, value: DecodedMessage) -> None:
     """The beginning of most messages; the frames of a simulation are few."""
     _check_names("std_msgs/msg/Header", _HEADER_FIELDS, value)
     stamp = value.get("stamp") or {}
@@ -180,7 +180,7 @@ def _collector(type_name: str) -> Callable[[RosMessage, list[Any]], None]:
     ]
     names = frozenset(name for name, _, _, _ in parts)
 
-    def collect(value: RosMessage, numbers: list[object]) -> None:
+    def collect(value: DecodedMessage, numbers: list[object]) -> None:
         _check_names(type_name, names, value)
         for name, size, inner, default in parts:
             content = value.get(name)

@@ -18,7 +18,7 @@ from morse.system.regular_files import read_regular
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage
     from morse.rosmsgs.table import Qos
 
 _RELIABILITY = {"reliable": True, "best_effort": False}
@@ -153,7 +153,7 @@ def _remap(value: object, where: str) -> Remap:
         return Remap(where, "/" + _checked(value, where).lstrip("/"))
     if not value:
         raise MorseMiddlewareError(f"{where}: expected a new name, or {', '.join(_ENTRIES)}")
-    changes: RosMessage = {}
+    changes: DecodedMessage = {}
     for key, (entry, line) in value.items():
         if key == "topic":
             changes["topic"] = "/" + _checked(entry, line).lstrip("/")

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from morse.core.kinds import BoundKind, Message
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
 
 
 class Qos(NamedTuple):
@@ -80,12 +80,12 @@ class Inlet(NamedTuple):
     """
 
     type: str
-    take: Callable[[RosMessage], RosMessage]
+    take: Callable[[DecodedMessage], RosMessage]
     topic: str = ""
     also: str = ""
     or_none: bool = False
     other: Inlet | None = None
-    call: Callable[[RosMessage], tuple[str, list[Any]] | None] | None = None
+    call: Callable[[DecodedMessage], tuple[str, list[Any]] | None] | None = None
 
 
 _F = TypeVar("_F", bound="Callable[..., Any]")

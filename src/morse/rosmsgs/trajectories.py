@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind
     from morse.core.request_manager import Outcome
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.rosmsgs.topics.backend import RosObject
 
 logger = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ def seconds(time: Mapping[str, int]) -> float:
     return float(time["sec"] + time["nanosec"] / _SECOND)
 
 
-def service_call(message: RosMessage, bound: BoundKind) -> tuple[str, list[object]] | None:
+def service_call(message: DecodedMessage, bound: BoundKind) -> tuple[str, list[object]] | None:
     """The service that a trajectory calls, and its arguments; None for a single point at once, which is a command.
 
     Raises:
@@ -51,7 +51,7 @@ def service_call(message: RosMessage, bound: BoundKind) -> tuple[str, list[objec
     return "trajectory", [trajectory_of(message)]
 
 
-def trajectory_of(message: RosMessage) -> RosMessage:
+def trajectory_of(message: DecodedMessage) -> RosMessage:
     """The trajectory of some joints; the other joints keep their setpoints.
 
     It starts at the stamp of its header, or now if that is 0.
@@ -65,7 +65,7 @@ def trajectory_of(message: RosMessage) -> RosMessage:
     return {"starttime": start, **trajectory} if start else trajectory
 
 
-def goal_of(goal: RosMessage) -> RosMessage:
+def goal_of(goal: DecodedMessage) -> RosMessage:
     """The trajectory of a goal of ``control_msgs/FollowJointTrajectory``, with its tolerances.
 
     Raises:
@@ -82,13 +82,13 @@ def goal_of(goal: RosMessage) -> RosMessage:
     return trajectory
 
 
-def _tolerance(tolerance: RosMessage) -> dict[str, float]:
+def _tolerance(tolerance: DecodedMessage) -> dict[str, float]:
     """The tolerances of a joint: 0 means none is set, a negative number removes it."""
     return {name: tolerance[name] for name in ("position", "velocity") if tolerance[name] > 0.0}
 
 
-def _point(point: RosMessage, count: int) -> RosMessage:
-    result: RosMessage = {"time_from_start": seconds(point["time_from_start"])}
+def _point(point: DecodedMessage, count: int) -> RosMessage:
+    result: DecodedMessage = {"time_from_start": seconds(point["time_from_start"])}
     for quantity in _QUANTITIES:
         values = point[quantity]
         if not len(values) and quantity != "positions":

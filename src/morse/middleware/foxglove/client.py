@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.server import ServerConnection
 
-    from morse.core.values import RosMessage
+    from morse.core.values import JsonObject
     from morse.middleware.web.topics import WebTopic
 
 _ENCODINGS = ("cdr", "json")
@@ -120,7 +120,7 @@ class FoxgloveClient(HubClient):
         """See `HubClient.tick`."""
         self.offer("time", frames.time(stamp), 1)
 
-    def _subscribe(self, message: RosMessage) -> None:
+    def _subscribe(self, message: JsonObject) -> None:
         topics = self.hub.topics.offered.values() if self.hub.topics is not None else ()
         by_number = {topic.number: topic for topic in topics}
         for one in _records(message, "subscriptions"):
@@ -136,7 +136,7 @@ class FoxgloveClient(HubClient):
             for stamp, data in tuple(topic.kept):
                 self.show(topic, self.hub.frame(topic, stamp, data))
 
-    def _unsubscribe(self, message: RosMessage) -> None:
+    def _unsubscribe(self, message: JsonObject) -> None:
         for number in _numbers(message, "subscriptionIds"):
             topic = self._subscriptions.pop(number, None)
             if topic is None:
@@ -146,7 +146,7 @@ class FoxgloveClient(HubClient):
 
     # -- messages of the client --------------------------------------------------------------
 
-    def _advertise(self, message: RosMessage) -> None:
+    def _advertise(self, message: JsonObject) -> None:
         subscriptions = self.hub.topics.heard if self.hub.topics is not None else {}
         for one in _records(message, "channels"):
             number, topic, kind = _number(one, "id"), one.get("topic"), one.get("schemaName")
@@ -160,7 +160,7 @@ class FoxgloveClient(HubClient):
                 self.keep(_LONGEST_TOPIC, "a channel")
             self._channels[number] = topic
 
-    def _unadvertise(self, message: RosMessage) -> None:
+    def _unadvertise(self, message: JsonObject) -> None:
         for number in _numbers(message, "channelIds"):
             if self._channels.pop(number, None) is not None:
                 self.release(_LONGEST_TOPIC)
@@ -187,7 +187,7 @@ class FoxgloveClient(HubClient):
             self._say(op="advertiseServices", services=[self._service(number, services[number]) for number in new])
         self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
-    def _service(self, number: int, path: str) -> RosMessage:
+    def _service(self, number: int, path: str) -> JsonObject:
         request = self.hub.arguments_of(path)  # type: ignore[attr-defined] # it is a FoxgloveHub
         return {
             "id": number,
@@ -221,10 +221,10 @@ class FoxgloveClient(HubClient):
 
     # -- parameters --------------------------------------------------------------------------
 
-    def _get_parameters(self, message: RosMessage) -> None:
+    def _get_parameters(self, message: JsonObject) -> None:
         self._ask(GET, _Asked(_id(message), told=True), _names(message))
 
-    def _set_parameters(self, message: RosMessage) -> None:
+    def _set_parameters(self, message: JsonObject) -> None:
         # an answer is due if the client has given an id
         self._ask(SET, _Asked(_id(message), told="id" in message), _records(message, "parameters"))
 
@@ -244,7 +244,7 @@ class FoxgloveClient(HubClient):
         if call.told:
             self._say(op="parameterValues", parameters=answer["parameters"], **call.id)
 
-    def _watch_more(self, message: RosMessage) -> None:
+    def _watch_more(self, message: JsonObject) -> None:
         more = set[str]()
         try:
             for name in set(_names(message)) - self.watched:
@@ -253,7 +253,7 @@ class FoxgloveClient(HubClient):
         finally:
             self.watched |= more
 
-    def _watch_less(self, message: RosMessage) -> None:
+    def _watch_less(self, message: JsonObject) -> None:
         less = self.watched & set(_names(message))
         self.watched -= less
         for name in less:
@@ -277,13 +277,13 @@ class FoxgloveClient(HubClient):
         """The topics on which this client publishes."""
         return set(self._channels.values())
 
-    def _show_graph(self, message: RosMessage) -> None:
+    def _show_graph(self, message: JsonObject) -> None:
         if self._graph is not None:
             raise ValueError("the connection graph is subscribed already")
         self._graph = graph.EMPTY
         self.tell_graph(graph.graph_of(self.hub))
 
-    def _hide_graph(self, message: RosMessage) -> None:
+    def _hide_graph(self, message: JsonObject) -> None:
         if self._graph is None:
             raise ValueError("the connection graph is not subscribed")
         self._graph = None
@@ -303,7 +303,7 @@ class FoxgloveClient(HubClient):
 
     # -- assets ------------------------------------------------------------------------------
 
-    def _fetch(self, message: RosMessage) -> None:
+    def _fetch(self, message: JsonObject) -> None:
         uri, number = message.get("uri"), _number(message, "requestId")
         if not isinstance(uri, str):
             raise ValueError(f"'uri' is {shown(uri)}, expected a text")
@@ -337,7 +337,7 @@ class FoxgloveClient(HubClient):
             message = msgspec.json.decode(frame)
         except (msgspec.DecodeError, RecursionError, UnicodeDecodeError, UnicodeEncodeError) as error:
             raise ValueError(f"not JSON: {error}") from None
-        operations: dict[str, Callable[[RosMessage], None]] = {
+        operations: dict[str, Callable[[JsonObject], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
             "advertise": self._advertise,
@@ -358,26 +358,26 @@ class FoxgloveClient(HubClient):
             self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
 
-def _schema(name: str, schema: RosMessage) -> dict[str, str]:
+def _schema(name: str, schema: JsonObject) -> dict[str, str]:
     text = msgspec.json.encode(schema).decode()
     return {"encoding": "json", "schemaName": name, "schemaEncoding": "jsonschema", "schema": text}
 
 
-def _records(message: RosMessage, name: str) -> list[RosMessage]:
+def _records(message: JsonObject, name: str) -> list[JsonObject]:
     value = message.get(name)
     if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
         raise ValueError(f"'{name}' is {shown(value)}, expected a list of objects")
     return value
 
 
-def _names(message: RosMessage) -> list[str]:
+def _names(message: JsonObject) -> list[str]:
     value = message.get("parameterNames")
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
         raise ValueError(f"'parameterNames' is {shown(value)}, expected a list of texts")
     return value
 
 
-def _id(message: RosMessage) -> dict[str, str]:
+def _id(message: JsonObject) -> dict[str, str]:
     """The id of a request, as it is returned; empty if it has none."""
     value = message.get("id")
     if value is not None and not isinstance(value, str):
@@ -385,14 +385,14 @@ def _id(message: RosMessage) -> dict[str, str]:
     return {} if value is None else {"id": value}
 
 
-def _numbers(message: RosMessage, name: str) -> list[int]:
+def _numbers(message: JsonObject, name: str) -> list[int]:
     value = message.get(name)
     if not isinstance(value, list):
         raise ValueError(f"'{name}' is {shown(value)}, expected a list of numbers")
     return [_number({"item": one}, "item") for one in value]
 
 
-def _number(record: RosMessage, name: str) -> int:
+def _number(record: JsonObject, name: str) -> int:
     value = record.get(name)
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _LARGEST:
         raise ValueError(f"'{name}' is {shown(value)}, expected a number from 0 to {_LARGEST}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.values import RosMessage
+    from morse.core.values import JsonObject
 
     #: name to the ids of nodes
     Table = Mapping[str, frozenset[str]]
@@ -45,9 +45,9 @@ def graph_of(hub: Any) -> dict[str, Table]:
     return {key: {name: frozenset(ids) for name, ids in table.items()} for key, table in tables}
 
 
-def update(before: Mapping[str, Table], now: Mapping[str, Table]) -> RosMessage | None:
+def update(before: Mapping[str, Table], now: Mapping[str, Table]) -> JsonObject | None:
     """The message with the changes of a graph, or None if there are none."""
-    message: RosMessage = {}
+    message: JsonObject = {}
     for key, ids in _KEYS.items():
         changes = {name: now[key].get(name, frozenset()) for name in before[key].keys() | now[key].keys()}
         message[key] = [

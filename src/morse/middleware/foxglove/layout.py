@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.values import RosMessage
+    from morse.core.values import JsonObject
 
 _IMAGE, _INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
 _ODOMETRY, _FIX = "nav_msgs/msg/Odometry", "sensor_msgs/msg/NavSatFix"
@@ -20,7 +20,7 @@ _SHOWN = (
 _MOST_IMAGES, _MOST_TELEOPS = 4, 2
 
 
-def layout_of(published: Mapping[str, str], heard: Mapping[str, str] | None = None) -> RosMessage:
+def layout_of(published: Mapping[str, str], heard: Mapping[str, str] | None = None) -> JsonObject:
     """A layout as JSON: three dimensions and images, beside plots, panels that drive, parameters, diagnostics.
 
     Args:
@@ -50,29 +50,29 @@ def _first(topics: Mapping[str, str], kind: str) -> str:
     return min(name for name, one in topics.items() if one == kind)
 
 
-def _panel(kind: str, config: RosMessage) -> RosMessage:
+def _panel(kind: str, config: JsonObject) -> JsonObject:
     return {"type": "panel", "panelType": kind, "config": config, "version": 1}
 
 
-def _split(direction: str, items: list[tuple[float, RosMessage]]) -> RosMessage:
+def _split(direction: str, items: list[tuple[float, JsonObject]]) -> JsonObject:
     contents = [{"proportion": proportion, "content": content} for proportion, content in items]
     return {"type": "split", "direction": direction, "items": contents}
 
 
-def _column(panels: list[RosMessage]) -> RosMessage:
+def _column(panels: list[JsonObject]) -> JsonObject:
     return _split("column", [(1.0, one) for one in panels])
 
 
-def _three_dimensions(types: Mapping[str, str]) -> RosMessage:
+def _three_dimensions(types: Mapping[str, str]) -> JsonObject:
     models = [name for name in types if name.rpartition("/")[2] == "robot_description"]
     visible = [name for name, kind in types.items() if kind in _SHOWN]
     topics = {name: {"visible": True} for name in sorted([*models, *visible])}
     grid = {"layerId": "foxglove.Grid", "instanceId": "grid", "visible": True, "size": 20, "divisions": 20}
-    config = {"fixedFrame": "map", "followMode": "follow-none", "layers": {"grid": grid}, "topics": topics}
+    config: JsonObject = {"fixedFrame": "map", "followMode": "follow-none", "layers": {"grid": grid}, "topics": topics}
     return _panel("ThreeDee", config)
 
 
-def _images(topics: Mapping[str, str]) -> list[RosMessage]:
+def _images(topics: Mapping[str, str]) -> list[JsonObject]:
     panels = []
     for name in sorted(name for name, kind in topics.items() if kind == _IMAGE):
         mode = {"imageTopic": name}
@@ -83,14 +83,14 @@ def _images(topics: Mapping[str, str]) -> list[RosMessage]:
     return panels
 
 
-def _plot(topics: Mapping[str, str]) -> RosMessage:
+def _plot(topics: Mapping[str, str]) -> JsonObject:
     topic = _first(topics, _ODOMETRY)
     fields = ("twist.twist.linear.x", "twist.twist.angular.z")
     paths = [{"value": f"{topic}.{field}", "timestampMethod": "headerStamp", "enabled": True} for field in fields]
     return _panel("Plot", {"paths": paths})
 
 
-def _teleop(topic: str) -> RosMessage:
+def _teleop(topic: str) -> JsonObject:
     buttons = {
         "upButton": {"field": "linear-x", "value": 0.5},
         "downButton": {"field": "linear-x", "value": -0.5},

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from morse.core.context import Context
-    from morse.core.values import RosMessage
+    from morse.core.values import JsonObject
 
 #: maximum number of parameters that a request sets: a tick waits for it; and of refusals that it explains
 MOST, _MOST_REFUSALS = 64, 10
@@ -35,7 +35,7 @@ class Parameters:
     ) -> None:
         self._properties, self._change = PropertyTable(context.component, components), change
 
-    def read(self, names: Iterable[str]) -> list[RosMessage]:
+    def read(self, names: Iterable[str]) -> list[JsonObject]:
         """Name, value and type of parameters, of all if there are no names; unknown ones are left out."""
         return [one for name in self._present(names) if (one := self._read(name)) is not None]
 
@@ -44,7 +44,7 @@ class Parameters:
         present = dict.fromkeys(self._properties.names())
         return [name for name in dict.fromkeys(names) if name in present] if names else present
 
-    def _read(self, name: str) -> RosMessage | None:
+    def _read(self, name: str) -> JsonObject | None:
         one = self._properties.find(name)
         value = None if one is None else getattr(one.component, one.attribute)
         if value is None:

@@ -14,7 +14,7 @@ from morse.rosmsgs.table import Qos
 from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from morse.core.context import Context
     from morse.core.values import Options, RosMessage
@@ -83,7 +83,7 @@ def _of_components(context: Context) -> Iterator[RosMessage]:
         yield _status(f"morse: {name}", level, text, robot_of(component).name(), values)
 
 
-def _status(name: str, level: int, text: str, hardware: str, values: RosMessage) -> RosMessage:
+def _status(name: str, level: int, text: str, hardware: str, values: Mapping[str, object]) -> RosMessage:
     pairs = [{"key": key, "value": str(value)} for key, value in values.items()]
     return {"level": level, "name": name, "message": text, "hardware_id": hardware, "values": pairs}
 

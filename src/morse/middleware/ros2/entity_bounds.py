@@ -16,7 +16,7 @@ from morse.scene.extent import box_around
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.core.world import World
     from morse.scene.node import Node
 
@@ -48,7 +48,7 @@ def bounds(box: Box | None) -> RosMessage:
     return {"type": BOX, "points": [xyz(box[1].tolist()), xyz(box[0].tolist())]}
 
 
-def mistake(message: RosMessage) -> str | None:
+def mistake(message: DecodedMessage) -> str | None:
     """What is wrong with bounds that are a filter; they are a box or a sphere."""
     points = message["points"]
     if message["type"] not in (BOX, SPHERE):
@@ -63,7 +63,7 @@ def mistake(message: RosMessage) -> str | None:
     return None
 
 
-def overlap(box: Box, message: RosMessage) -> bool:
+def overlap(box: Box, message: DecodedMessage) -> bool:
     """Whether a box has a point in common with the bounds of a filter without a `mistake`."""
     one, other = (np.array(from_xyz(point)) for point in message["points"])
     if message["type"] == SPHERE:

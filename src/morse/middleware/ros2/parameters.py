@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.declarations import Property
     from morse.core.request_manager import Outcome
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.middleware.ros2.domain import Reply
     from morse.rosmsgs.topics.backend import Backend
 
@@ -76,7 +76,7 @@ class _Parameter:
             value = as_json(value)
         return {"type": kind, VALUES[kind]: value}
 
-    def taken(self, value: RosMessage) -> Any:
+    def taken(self, value: DecodedMessage) -> Any:
         """The value of a message.
 
         Raises:
@@ -146,19 +146,19 @@ class Parameters(Served):
         table = {name: self._parameter(name) for name in set(names)}
         return [table[name] for name in names]
 
-    def _get(self, request: RosMessage, reply: Reply) -> None:
+    def _get(self, request: DecodedMessage, reply: Reply) -> None:
         parameters = self._several(request["names"])
         reply({"values": [{"type": _NOT_SET} if one is None else one.value() for one in parameters]})
 
-    def _types(self, request: RosMessage, reply: Reply) -> None:
+    def _types(self, request: DecodedMessage, reply: Reply) -> None:
         parameters = self._several(request["names"])
         reply({"types": [_NOT_SET if one is None else one.type for one in parameters]})
 
-    def _describe(self, request: RosMessage, reply: Reply) -> None:
+    def _describe(self, request: DecodedMessage, reply: Reply) -> None:
         pairs = list(zip(request["names"], self._several(request["names"]), strict=True))
         reply({"descriptors": [{"name": n, "type": _NOT_SET} if p is None else p.descriptor(n) for n, p in pairs]})
 
-    def _list(self, request: RosMessage, reply: Reply) -> None:
+    def _list(self, request: DecodedMessage, reply: Reply) -> None:
         prefixes, depth = list(request["prefixes"]), request["depth"]
         names = []
         for name in self._names():
@@ -171,7 +171,7 @@ class Parameters(Served):
 
     # -- setting -----------------------------------------------------------------------------
 
-    def _checked(self, entry: RosMessage) -> tuple[str, str, Any] | str:
+    def _checked(self, entry: DecodedMessage) -> tuple[str, str, Any] | str:
         """Component, property and value; or why a parameter is refused."""
         name = entry["name"]
         one = self._parameter(name)
@@ -197,12 +197,12 @@ class Parameters(Served):
         good = state == status.SUCCESS
         return {"successful": good, "reason": "" if good else str(text or state)}
 
-    def _set(self, request: RosMessage, reply: Reply) -> None:
+    def _set(self, request: DecodedMessage, reply: Reply) -> None:
         parameters = request["parameters"]
         results = [self._done(self._checked(entry)) for entry in parameters[:MOST]]
         reply({"results": results + [{"successful": False, "reason": _TOO_MANY}] * (len(parameters) - len(results))})
 
-    def _set_together(self, request: RosMessage, reply: Reply) -> None:
+    def _set_together(self, request: DecodedMessage, reply: Reply) -> None:
         parameters = request["parameters"]
         if len(parameters) > MOST:
             reply({"result": {"successful": False, "reason": _TOO_MANY}})

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.middleware.ros2.domain import Reply
     from morse.rosmsgs.topics.backend import Backend
     from morse.scene.node import Node
@@ -47,13 +47,13 @@ class Notes:
     """Notes of clients; those about an entity end with it."""
 
     def __init__(self) -> None:
-        self._notes: WeakKeyDictionary[Node, RosMessage] = WeakKeyDictionary()
+        self._notes: WeakKeyDictionary[Node, DecodedMessage] = WeakKeyDictionary()
 
-    def of(self, root: Node) -> RosMessage | None:
+    def of(self, root: Node) -> DecodedMessage | None:
         """The EntityInfo that a client has set."""
         return self._notes.get(root)
 
-    def set(self, root: Node, info: RosMessage) -> str | None:
+    def set(self, root: Node, info: DecodedMessage) -> str | None:
         """Replace the notes about an entity; returns what is wrong with them."""
         category, tags = info["category"]["category"], [str(tag) for tag in info["tags"]]
         if category not in _CATEGORIES:
@@ -66,7 +66,7 @@ class Notes:
         return None
 
 
-def chosen(tags: Collection[str], message: RosMessage) -> bool:
+def chosen(tags: Collection[str], message: DecodedMessage) -> bool:
     """Whether something with some tags passes a TagsFilter; an empty filter passes everything."""
     wanted = {str(tag) for tag in message["tags"]}
     if message.get("filter_mode") == _ALL:
@@ -180,7 +180,7 @@ class SimulationInterfaces(Served):
     def _state(self, request: RosMessage, reply: Reply) -> None:
         reply({"state": {"state": _PAUSED if self._context.paused() else _PLAYING}, "result": _result()})
 
-    def _set_state(self, request: RosMessage, reply: Reply) -> None:
+    def _set_state(self, request: DecodedMessage, reply: Reply) -> None:
         target = request["state"]["state"]
         services = {_STOPPED: ("reset", "pause"), _PLAYING: ("resume",), _PAUSED: ("pause",), _QUITTING: ("quit",)}
         if target not in services:
@@ -201,7 +201,7 @@ class SimulationInterfaces(Served):
             return
         self._call("simulation", "reset", [], _then(reply))
 
-    def _step(self, request: RosMessage, reply: Reply) -> None:
+    def _step(self, request: DecodedMessage, reply: Reply) -> None:
         if not self._context.paused():
             reply({"result": _result(_INCORRECT_STATE, "the simulation is not paused")})
             return
@@ -225,7 +225,7 @@ class SimulationInterfaces(Served):
         reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
         return None
 
-    def _chosen(self, request: RosMessage) -> tuple[list[str], RosMessage]:
+    def _chosen(self, request: DecodedMessage) -> tuple[list[str], RosMessage]:
         filters = request["filters"]
         categories = {category["category"] for category in filters["categories"]}
         wrong = mistake(filters["bounds"]) if filters["bounds"]["type"] else None
@@ -273,14 +273,14 @@ class SimulationInterfaces(Served):
         names, result = self._chosen(request)
         reply({"result": result, "entities": names, "states": [self._state_of(name) for name in names]})
 
-    def _entity_state(self, request: RosMessage, reply: Reply) -> None:
+    def _entity_state(self, request: DecodedMessage, reply: Reply) -> None:
         name = request["entity"]
         if name not in self._names():
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
         else:
             reply({"result": _result(), "state": self._state_of(name)})
 
-    def _info(self, root: Node) -> RosMessage:
+    def _info(self, root: Node) -> DecodedMessage:
         notes = self._notes.of(root)
         if notes is not None:
             return notes
@@ -288,26 +288,26 @@ class SimulationInterfaces(Served):
         text = f"robot, {type(robot).__name__}" if robot is not None else "object"
         return {"category": {"category": _OBJECT if robot is None else _ROBOT}, "description": text, "tags": []}
 
-    def _entity_info(self, request: RosMessage, reply: Reply) -> None:
+    def _entity_info(self, request: DecodedMessage, reply: Reply) -> None:
         root = self._root(request["entity"], reply)
         if root is not None:
             reply({"result": _result(), "info": self._info(root)})
 
-    def _set_entity_info(self, request: RosMessage, reply: Reply) -> None:
+    def _set_entity_info(self, request: DecodedMessage, reply: Reply) -> None:
         root = self._root(request["entity"], reply)
         if root is not None:
             wrong = self._notes.set(root, request["info"])
             reply({"result": _result() if wrong is None else _result(_FAILED, wrong)})
 
-    def _entity_bounds(self, request: RosMessage, reply: Reply) -> None:
+    def _entity_bounds(self, request: DecodedMessage, reply: Reply) -> None:
         root = self._root(request["entity"], reply)
         if root is not None:
             reply({"result": _result(), "bounds": bounds(box_of(self._context.world, root))})
 
-    def _named_poses(self, request: RosMessage, reply: Reply) -> None:
+    def _named_poses(self, request: DecodedMessage, reply: Reply) -> None:
         reply({"result": _result(), "poses": named_poses(self._context.scene.zones, request["tags"])})
 
-    def _named_pose_bounds(self, request: RosMessage, reply: Reply) -> None:
+    def _named_pose_bounds(self, request: DecodedMessage, reply: Reply) -> None:
         limits = pose_bounds(self._context.scene.zones, request["name"])
         if limits is None:
             reply({"result": _result(_NOT_FOUND, f"there is no zone {request['name']!r:.80}")})
@@ -326,7 +326,7 @@ class SimulationInterfaces(Served):
             "twist": {"linear": xyz(linear), "angular": xyz(angular)},
         }
 
-    def _set_entity_state(self, request: RosMessage, reply: Reply) -> None:
+    def _set_entity_state(self, request: DecodedMessage, reply: Reply) -> None:
         name, state = request["entity"], request["state"]
         speeds = [*from_xyz(state["twist"]["linear"]), *from_xyz(state["twist"]["angular"])]
         if name not in self._names():
@@ -345,7 +345,7 @@ class SimulationInterfaces(Served):
     def _world(self, request: RosMessage, reply: Reply) -> None:
         reply({"result": _result(), "world": _resource(self._context.scene.environment)})
 
-    def _worlds(self, request: RosMessage, reply: Reply) -> None:
+    def _worlds(self, request: DecodedMessage, reply: Reply) -> None:
         def ended(outcome: Outcome) -> None:
             state, names = outcome
             if state == status.SUCCESS:
@@ -362,7 +362,7 @@ class SimulationInterfaces(Served):
 
     # -- spawning and deleting ---------------------------------------------------------------
 
-    def _spawnables(self, request: RosMessage, reply: Reply) -> None:
+    def _spawnables(self, request: DecodedMessage, reply: Reply) -> None:
         def ended(outcome: Outcome) -> None:
             state, kinds = outcome
             if state != status.SUCCESS:
@@ -376,7 +376,7 @@ class SimulationInterfaces(Served):
             return
         self._call("simulation", "list_spawnables", [], ended)
 
-    def _spawn(self, request: RosMessage, reply: Reply) -> None:
+    def _spawn(self, request: DecodedMessage, reply: Reply) -> None:
         # version 2 of the package has both in a message of their own
         request = {**request, **request.get("entity_resource", {})}
         name, wrong = self._name_of(request)
@@ -399,7 +399,7 @@ class SimulationInterfaces(Served):
         arguments = [name, kind, position, [roll, pitch, yaw]]
         self._call("simulation", "spawn", arguments, _then(reply, {"entity_name": name}))
 
-    def _name_of(self, request: RosMessage) -> tuple[str, RosMessage | None]:
+    def _name_of(self, request: DecodedMessage) -> tuple[str, RosMessage | None]:
         match = _NAME.search(request["resource_string"]) if request["resource_string"] else None
         kind = match[1] if match is not None else request["uri"].rpartition("/")[2]
         base = request["name"] or word_of(kind).lower()
@@ -414,7 +414,7 @@ class SimulationInterfaces(Served):
         present = {name.lower() for name in self._context.world.objects_by_name}
         return free_name(base[:_LONGEST_BASE], lambda name: name.lower() in present, first=1), None
 
-    def _delete(self, request: RosMessage, reply: Reply) -> None:
+    def _delete(self, request: DecodedMessage, reply: Reply) -> None:
         name = request["entity"]
         if name not in self._names():
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
@@ -447,7 +447,7 @@ def _then(reply: Reply, more: RosMessage | None = None) -> Callable[[Outcome], o
     return ended
 
 
-def _turn(pose: RosMessage) -> list[float]:
+def _turn(pose: DecodedMessage) -> list[float]:
     """W, x, y, z; the identity if all are 0."""
     quaternion = from_quaternion(pose["orientation"])
     if not any(quaternion):

@@ -10,7 +10,7 @@ from morse.rosmsgs.definitions import PRIMITIVES, definition, fields_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.core.values import RosMessage
+    from morse.core.values import JsonObject
     from morse.middleware.web.hub import Hub
 
 
@@ -29,19 +29,19 @@ def _services(hub: Hub) -> list[str]:
     return sorted(hub.requests.paths) if hub.requests is not None else []
 
 
-def _topics(hub: Hub, _: str) -> RosMessage:
+def _topics(hub: Hub, _: str) -> JsonObject:
     types = sorted(_types(hub).items())
     return {"topics": [name for name, _ in types], "types": [kind for _, kind in types]}
 
 
-def _time(hub: Hub, _: str) -> RosMessage:
+def _time(hub: Hub, _: str) -> JsonObject:
     stamp = hub.context.clock.stamp()
     seconds, rest = stamp // 10**9, stamp % 10**9
     # the second pair has the names of ROS 1, which roslibpy reads
     return {"time": {"sec": seconds, "nanosec": rest, "secs": seconds, "nsecs": rest}}
 
 
-def _node_details(hub: Hub, node: str) -> RosMessage:
+def _node_details(hub: Hub, node: str) -> JsonObject:
     if node != _NODE or hub.topics is None:
         return {"publishing": [], "subscribing": [], "services": _services(hub) if node == _NODE else []}
     return {
@@ -51,12 +51,12 @@ def _node_details(hub: Hub, node: str) -> RosMessage:
     }
 
 
-def _raw_types(hub: Hub, _: str) -> RosMessage:
-    topics = _topics(hub, "")
-    return {**topics, "typedefs_full_text": [definition(kind) for kind in topics["types"]]}
+def _raw_types(hub: Hub, _: str) -> JsonObject:
+    definitions = [definition(kind) for _, kind in sorted(_types(hub).items())]
+    return {**_topics(hub, ""), "typedefs_full_text": definitions}
 
 
-def _message_details(hub: Hub, kind: str) -> RosMessage:
+def _message_details(hub: Hub, kind: str) -> JsonObject:
     """Describe a message and all messages in it."""
     remaining, details = [kind.replace("/", "/msg/") if kind.count("/") == 1 else kind], []
     for name in remaining:
@@ -82,7 +82,7 @@ def _message_details(hub: Hub, kind: str) -> RosMessage:
 
 
 #: services, and the response for their argument
-_ANSWERS: dict[str, tuple[str, Callable[[Hub, str], RosMessage]]] = {
+_ANSWERS: dict[str, tuple[str, Callable[[Hub, str], JsonObject]]] = {
     "/rosapi/topics": ("", _topics),
     "/rosapi/topic_type": ("topic", lambda hub, topic: {"type": _types(hub).get(topic, "")}),
     "/rosapi/topics_for_type": (
@@ -118,7 +118,7 @@ _ANSWERS: dict[str, tuple[str, Callable[[Hub, str], RosMessage]]] = {
 SERVICES = tuple(_ANSWERS)
 
 
-def answer(hub: Hub, service: str, args: object) -> RosMessage | None:
+def answer(hub: Hub, service: str, args: object) -> JsonObject | None:
     """The response of a service; None if there is no such service.
 
     Args:

@@ -9,7 +9,7 @@ import numpy as np
 
 from morse.plugins.ros.mapping import STREAM_OPTIONS
 from morse.rosmsgs.kinds import Ros2Topics
-from morse.rosmsgs.kinds.states import clock, joint_state
+from morse.rosmsgs.kinds.states import clock, joined_joints
 from morse.rosmsgs.parts import as_json, from_quaternion, from_xyz, header, header_at, pose_of
 from morse.rosmsgs.table import Inlet, Outlet, Qos, topics
 from morse.rosmsgs.topics.rosout import LogTopic, text_of
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.helpers.transformation import Transformation3d
     from morse.rosmsgs.table import Carrier
     from morse.rosmsgs.topics.transforms import RobotFrames
@@ -149,11 +149,11 @@ def _metres(message: Message, frame: str) -> RosMessage:
     return {"header": header(message, frame), "latitude": float(x), "longitude": float(y), "altitude": float(z)}
 
 
-def _from_pose(message: RosMessage) -> RosMessage:
+def _from_pose(message: DecodedMessage) -> RosMessage:
     return {"position": from_xyz(message["position"]), "orientation": from_quaternion(message["orientation"])}
 
 
-def _from_wrench(message: RosMessage) -> RosMessage:
+def _from_wrench(message: DecodedMessage) -> RosMessage:
     return {"force": from_xyz(message["force"]), "torque": from_xyz(message["torque"])}
 
 
@@ -208,13 +208,14 @@ class RosStream(TopicStream):
         return several and all(bound.kind.name == "joints" for bound in self.kinds)
 
     def _all_joints(self, message: Message, frame: str) -> RosMessage:
-        content = joint_state([bound.gather() for bound in self.kinds])
-        measured = content["name"]
+        messages = [bound.gather() for bound in self.kinds]
+        measured, quantities = joined_joints(messages)
         # joints that are not simulated are at 0
         joints = getattr(self.component_instance.robot_parent, "all_joints", ())
-        content["name"] = names = list(dict.fromkeys([*joints, *measured]))
-        for quantity in ("position", "velocity", "effort"):
-            values = dict(zip(measured, content[quantity], strict=False))
+        names = list(dict.fromkeys([*joints, *measured]))
+        content: RosMessage = {"header": header(messages[0], ""), "name": names}
+        for quantity, measurements in quantities.items():
+            values = dict(zip(measured, measurements, strict=False))
             content[quantity] = [values.get(name, 0.0) for name in names] if values else []
         return content
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from morse.core.kinds import BoundKind
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.plugins.ros.stream import Frame
 
 
@@ -40,7 +40,7 @@ def as_lisp(objects: Iterable[RosMessage]) -> str:
     return f"({' '.join(map(_object, objects))})"
 
 
-def _object(description: RosMessage) -> str:
+def _object(description: DecodedMessage) -> str:
     orientation = description["orientation"]
     numbers = (*description["position"], orientation.x, orientation.y, orientation.z, orientation.w)
     words = (_atom(description["name"]), _atom(description["description"] or "-"), *(repr(float(n)) for n in numbers))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.context import Context
-    from morse.core.values import Fields
+    from morse.core.values import Fields, RosMessage
     from morse.core.world import Body
     from morse.physics.poses.pose_rows import Numbers
     from morse.recording.streams import TopicFile
@@ -215,7 +215,7 @@ class World(NamedTuple):
             {"position": _named("xyz", place), "orientation": _named("xyzw", quaternion)}
             for place, quaternion in zip(_each(nodes[:3]), _each(_quaternions(nodes[3:])), strict=True)
         ]
-        message = {"header": header_at(stamps, MAP), "poses": poses}
+        message: RosMessage = {"header": header_at(stamps, MAP), "poses": poses}
         return [*batches, Batch(self.channels.poses, ticks, encode_rows(POSES_TYPE, message, count))]
 
     def _transforms(self, stamps: NDArray[np.int64], positions: Numbers, rotations: Numbers) -> list[Fields]:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.kinds import BoundKind, Message
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.rosmsgs.table import Carrier
 
 _FLOAT = "std_msgs/msg/Float64"
@@ -76,9 +76,9 @@ class SpatialKinds(TopicTable):
         """A goal from rviz or nav2; an orientation has no effect if the actuator does not use it."""
         turns = bound.has("orientation")
 
-        def take(message: RosMessage) -> RosMessage:
+        def take(message: DecodedMessage) -> RosMessage:
             pose = message["pose"]
-            slots = {"position": from_xyz(pose["position"])}
+            slots: RosMessage = {"position": from_xyz(pose["position"])}
             return {**slots, "orientation": from_quaternion(pose["orientation"])} if turns else slots
 
         return [
@@ -161,17 +161,17 @@ def _twist(message: Message) -> RosMessage:
     return {"linear": xyz(message.linear), "angular": xyz(message.angular)}
 
 
-def _from_twist(message: RosMessage) -> RosMessage:
+def _from_twist(message: DecodedMessage) -> RosMessage:
     return {"linear": from_xyz(message["linear"]), "angular": from_xyz(message["angular"])}
 
 
-def _from_car(drive: RosMessage, car: Any) -> RosMessage:
+def _from_car(drive: DecodedMessage, car: Any) -> RosMessage:
     speed = float(drive["speed"])
     angular = car.turning_speed(speed, float(drive["steering_angle"]))
     return {"linear": [speed, 0.0, 0.0], "angular": [0.0, 0.0, angular]}
 
 
-def _from_stick(message: RosMessage, *, by_rate: bool) -> RosMessage:
+def _from_stick(message: DecodedMessage, *, by_rate: bool) -> RosMessage:
     if len(message["data"]) != len(_STICK):
         raise ValueError(f"{len(message['data'])} numbers, expected {', '.join(_STICK)}")
     roll, pitch, yaw, thrust = (float(number) for number in message["data"])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.kinds import BoundKind, Message
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.rosmsgs.table import Carrier
 
 _STRING, _BOOL, _FLOATS = "std_msgs/msg/String", "std_msgs/msg/Bool", "std_msgs/msg/Float32MultiArray"
@@ -122,19 +122,20 @@ def _joints(message: Message, frame: str) -> RosMessage:
     }
 
 
-def joint_state(messages: Sequence[Message]) -> RosMessage:
-    """Return a JointState of the joints in several messages; of the quantities, those that all messages have."""
-    first, *others = [_joints(message, "") for message in messages]
-    for name in ("name", *_QUANTITIES):
-        parts = [list(part[name]) for part in (first, *others)]
-        first[name] = [value for part in parts for value in part] if all(parts) else []
-    return first
+def joined_joints(messages: Sequence[Message]) -> tuple[list[str], dict[str, list[float]]]:
+    """Return the names of the joints in several messages, and of the quantities those that all messages have."""
+    names = [name for message in messages for name in message.names] if all(m.names for m in messages) else []
+    quantities: dict[str, list[float]] = {}
+    for name in _QUANTITIES:
+        parts = [[] if (values := getattr(m, name)) is None else list(values) for m in messages]
+        quantities[name] = [value for part in parts for value in part] if all(parts) else []
+    return names, quantities
 
 
-def _from_joints(message: RosMessage, bound: BoundKind) -> RosMessage:
+def _from_joints(message: DecodedMessage, bound: BoundKind) -> RosMessage:
     present = bound.gather()
     names = list(present.names)
-    slots: RosMessage = {}
+    slots: DecodedMessage = {}
     for joint in message["name"]:
         if joint not in names:
             raise ValueError(f"there is no joint {joint!r}; known: {', '.join(names)}")
@@ -169,13 +170,13 @@ def _from_numbers(numbers: Any, bound: BoundKind) -> RosMessage:
     return {quantity: np.where(np.isnan(column), column, numbers) for quantity, column in columns.items()}
 
 
-def _from_point(message: RosMessage, bound: BoundKind) -> RosMessage:
+def _from_point(message: DecodedMessage, bound: BoundKind) -> RosMessage:
     point = message["points"][0]
     quantities = {"position": point["positions"], "velocity": point["velocities"], "effort": point["effort"]}
     return _from_joints({"name": message["joint_names"], **quantities}, bound)
 
 
-def _from_text(message: RosMessage) -> RosMessage:
+def _from_text(message: DecodedMessage) -> RosMessage:
     fields = from_json(message["data"])
     if not isinstance(fields, dict):
         raise ValueError(f"a JSON object of fields is expected, not {type(fields).__name__}")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.kinds import BoundKind, Message
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.rosmsgs.table import Carrier
 
     #: pixels and their encoding, converted
@@ -203,7 +203,7 @@ def _detections(message: Message, frame: str) -> RosMessage:
     return {"header": head, "detections": [_detection(head, record) for record in message.records]}
 
 
-def _detection(head: RosMessage, record: RosMessage) -> RosMessage:
+def _detection(head: DecodedMessage, record: DecodedMessage) -> RosMessage:
     pose = _pose(record)
     hypothesis = {"class_id": str(record.get("label", "")), "score": float(record.get("score", 1.0))}
     return {
@@ -214,7 +214,7 @@ def _detection(head: RosMessage, record: RosMessage) -> RosMessage:
     }
 
 
-def _pose(record: RosMessage) -> RosMessage:
+def _pose(record: DecodedMessage) -> RosMessage:
     return {"position": xyz(record.get("position")), "orientation": quaternion(record.get("orientation"))}
 
 
@@ -358,7 +358,7 @@ def _image(message: Message, frame: str, form: Form | None = None) -> RosMessage
     }
 
 
-def _from_image(message: RosMessage) -> RosMessage:
+def _from_image(message: DecodedMessage) -> RosMessage:
     height, width, encoding = message["height"], message["width"], message["encoding"]
     if encoding not in _ENCODINGS:
         raise ValueError(f"the encoding {encoding!r}; known: {', '.join(_ENCODINGS)}")

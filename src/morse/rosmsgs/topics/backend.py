@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from morse.rosmsgs import cdr
 
 if TYPE_CHECKING:
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage, RosMessage
     from morse.rosmsgs.table import Qos
 
 
@@ -76,7 +76,7 @@ class ServiceServer(ABC):
     """Receives the calls of a service."""
 
     @abstractmethod
-    def take(self, most: int) -> list[tuple[Any, RosMessage]]:
+    def take(self, most: int) -> list[tuple[Any, DecodedMessage]]:
         """The received calls, oldest first, up to a maximum number: the caller, and the request; non-blocking."""
 
     @abstractmethod
@@ -120,7 +120,7 @@ class Backend(ABC):
         """
         return cdr.encode(type_name, message)
 
-    def decode(self, type_name: str, data: bytes) -> RosMessage:
+    def decode(self, type_name: str, data: bytes) -> DecodedMessage:
         """Decode data of a subscription into a message with all its fields.
 
         Raises:

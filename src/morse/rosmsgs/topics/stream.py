@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sized
 
     from morse.core.kinds import BoundKind, Message
-    from morse.core.values import RosMessage
+    from morse.core.values import DecodedMessage
     from morse.rosmsgs.table import Inlet, Outlet
     from morse.rosmsgs.topics.backend import Publisher, Subscription
     from morse.rosmsgs.topics.manager import TopicManager
@@ -304,7 +304,7 @@ class TopicStream(KindStream, ComponentMessages):
         component.context.journal.note(CALL, self.component_name, (service, arguments))
         getattr(component, service)(lambda outcome: None, *arguments)
 
-    def _from_frame(self, frame_id: str, slots: RosMessage) -> str | None:
+    def _from_frame(self, frame_id: str, slots: DecodedMessage) -> str | None:
         """The frame of a command; a pose relative to the start is converted to the world frame."""
         names = self.names
         if frame_id.lstrip("/") != names.odom(self.robot) or "position" not in slots:

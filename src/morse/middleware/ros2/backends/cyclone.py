@@ -147,8 +147,8 @@ class GraphNode:
             "reader_gid_seq": [{"data": number} for number in self._readers],
             "writer_gid_seq": [{"data": number} for number in self._writers],
         }
-        message = {"gid": {"data": self._participant.guid.bytes}, "node_entities_info_seq": [node]}
-        self._sample.data = data = cdr.encode(_TYPE, message)
+        gid = {"data": self._participant.guid.bytes}
+        self._sample.data = data = cdr.encode(_TYPE, {"gid": gid, "node_entities_info_seq": [node]})
         end = self._name.encode() + b"\0"
         self._first = data[_FIRST : data.index(end, _FIRST) + len(end)]
         self._writer.write(self._sample)

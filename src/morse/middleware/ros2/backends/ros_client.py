@@ -24,7 +24,7 @@ from morse.rosmsgs.topics.backend import Backend, Publisher, ServiceServer, Subs
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.core.values import Options, RosMessage
+    from morse.core.values import DecodedMessage, Options, RosMessage
     from morse.rosmsgs.table import Qos
     from morse.rosmsgs.topics.backend import RosObject
 
@@ -166,7 +166,7 @@ def plain(message: object) -> Any:
     return [plain(item) for item in message] if isinstance(message, list) else message
 
 
-def fill(message: RosObject, fields: RosMessage) -> RosObject:
+def fill(message: RosObject, fields: DecodedMessage) -> RosObject:
     """A message with the fields of a dictionary.
 
     Raises:
