@@ -20,7 +20,7 @@ from morse.scene.realism import NoiseModel, RealismModel, is_numeric
 
 if TYPE_CHECKING:
     from morse.core.classes.builder_defaults import Visual
-    from morse.core.values import Options
+    from morse.core.values import Properties
     from morse.scene import Mesh
 
 __all__ = ["ActuatorCreator", "ComponentCreator", "SensorCreator", "bpymorse"]
@@ -106,7 +106,7 @@ class RealisticSensor:
             f"{what}(field): {type(self).__name__} has no data field '{field}'{checks.suggestion(field, names)}"
         )
 
-    def _scene_options(self) -> Options:
+    def _scene_options(self) -> Properties:
         """The part of the declaration that depends on the kind of component."""
         return {} if self._realism == RealismModel() else {"realism": self._realism}
 

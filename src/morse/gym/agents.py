@@ -24,7 +24,6 @@ from morse.many.window import Window
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.gym.values import Infos
     from morse.simulation.simulation import Simulation
@@ -135,7 +134,7 @@ class TeamEnv(ParallelEnv[str, Observation, np.ndarray]):
         return self.action_spaces[agent]
 
     def reset(
-        self, seed: int | None = None, options: Options | None = None
+        self, seed: int | None = None, options: dict[str, object] | None = None
     ) -> tuple[dict[str, Observation], dict[str, Infos]]:
         """Begin an episode of all agents."""
         if seed is not None:

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.gym.values import Infos
     from morse.viewer.notebook import Frame
@@ -47,7 +46,7 @@ class TaskEnv(gymnasium.Env[Observation, np.ndarray]):
         """The task."""
         return self._episodes.task
 
-    def reset(self, *, seed: int | None = None, options: Options | None = None) -> tuple[Observation, Infos]:
+    def reset(self, *, seed: int | None = None, options: dict[str, object] | None = None) -> tuple[Observation, Infos]:
         """Begin an episode."""
         super().reset(seed=seed)
         if seed is None:

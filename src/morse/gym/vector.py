@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.gym.values import Infos, Outcome
     from morse.viewer.notebook import Frame
@@ -43,13 +42,13 @@ def mode_of(mode: AutoresetMode | str) -> AutoresetMode:
         raise ValueError(f"autoreset_mode is one of {names}, not {mode!r:.80}") from None
 
 
-def mask_of(options: Options | None, rows: int) -> NDArray[np.bool_]:
+def mask_of(options: dict[str, object] | None, rows: int) -> NDArray[np.bool_]:
     """Return (N,) which rows begin an episode: those of the option ``reset_mask``, or all.
 
     Raises:
         ValueError: the mask is something else.
     """
-    mask: Any = (options or {}).get("reset_mask")
+    mask = (options or {}).get("reset_mask")
     if mask is None:
         return np.ones(rows, bool)
     array = np.asarray(mask)
@@ -202,7 +201,7 @@ class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def reset(
-        self, *, seed: int | Sequence[int] | None = None, options: Options | None = None
+        self, *, seed: int | Sequence[int] | None = None, options: dict[str, object] | None = None
     ) -> tuple[Observation, Infos]:
         """Begin an episode in each row; the seed of row ``k`` is ``seed + k``.
 

@@ -10,7 +10,7 @@ from morse.assets.gazebo.values import ValueMistakeError, boolean, number
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-    from morse.assets.gazebo.converted import Options, Plugins, Properties
+    from morse.assets.gazebo.converted import Plugins, Properties
 
 _LEFT = ("left_joint", "leftJoint", "leftFrontJoint", "leftRearJoint", "leftMidJoint", "left_wheel_joint")
 _RIGHT = ("right_joint", "rightJoint", "rightFrontJoint", "rightRearJoint", "rightMidJoint", "right_wheel_joint")
@@ -79,7 +79,7 @@ def odometry(plugins: Plugins, element: Element, prefix: str) -> None:
 def joint_states(plugins: Plugins, element: Element, prefix: str) -> None:
     """The positions of the joints."""
     del prefix
-    options: Options = {"topic": topic_of(element, "joint_states", "topic")}
+    options: dict[str, str | bool] = {"topic": topic_of(element, "joint_states", "topic")}
     plugins.measure("joint_states", "ArmaturePose", options, _first(element, "update_rate", "updateRate"), joints=True)
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.builder.abstractcomponent import AbstractComponent
-    from morse.core.values import Options
+    from morse.core.values import Properties
 
 _PREFIX, _BONE = "ik_target", "IK_Bone"
 
@@ -161,7 +161,7 @@ class Armature(ActuatorCreator):
             workspace.current().attach(self.scene_node, target)
             self.ik_targets[bone] = target
 
-    def _scene_options(self) -> Options:
+    def _scene_options(self) -> Properties:
         # the full name is known only at this point
         for bone, target in self.ik_targets.items():
             workspace.current().rename(target, f"{_PREFIX}.{self.name}.{bone}")
@@ -211,7 +211,7 @@ class KukaLWR(Armature):
         relative: Matrix = self.scene_node.world_matrix().inverted() @ node.world_matrix()
         return relative
 
-    def _scene_options(self) -> Options:
+    def _scene_options(self) -> Properties:
         chain = Chain(self.scene_node.bones)
         tip = chain.tip(chain.frames(chain.start)[-1], len(chain.bones) - 1)[0]
         for component in self._carried:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.builder.abstractcomponent import AbstractComponent
-    from morse.core.values import Options
     from morse.scene import Node
     from morse.scene.component import DeclaredSensor
 
@@ -37,9 +36,11 @@ def add_walkers(roots: Iterable[Node], declarations: Iterable[DeclaredSensor]) -
         add_sensors(robot, [replace(one, name="path", link="")], "actuators")
 
 
-def add_sensors(robot: AbstractComponent, declarations: Iterable[DeclaredSensor], package: str = "sensors") -> Options:
+def add_sensors(
+    robot: AbstractComponent, declarations: Iterable[DeclaredSensor], package: str = "sensors"
+) -> dict[str, AbstractComponent]:
     """Create the sensors or actuators of a file on the links of a robot, and return them by name."""
-    sensors: Options = {}
+    sensors: dict[str, AbstractComponent] = {}
     for one in declarations:
         name = base = re.sub(r"\W", "_", one.name, flags=re.ASCII) or package[:-1]
         number = 1

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.builder.abstractcomponent import AbstractComponent
-    from morse.core.values import Options
+    from morse.core.values import Options, Properties
     from morse.scene import ComponentDeclaration, Library, Material, Node
     from morse.scene.articulation import BonePose
 
@@ -232,7 +232,7 @@ class Robot(Matter, Component):
             else declaration
         )
 
-    def _scene_options(self) -> Options:
+    def _scene_options(self) -> Properties:
         return {"record_animation": True} if self.records_animation else {}
 
 
@@ -283,7 +283,7 @@ class WheeledRobot(Robot):
             and node.body.collides
         ]
 
-    def _scene_options(self) -> Options:
+    def _scene_options(self) -> Properties:
         options = super()._scene_options()
         if self._has_free_wheels:
             options["wheels"] = [node.name for node in self.wheels()]

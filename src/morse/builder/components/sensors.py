@@ -18,7 +18,7 @@ from morse.scene import Material, Node, NodeKind, PhysicsType
 
 if TYPE_CHECKING:
     from morse.core.classes.builder_defaults import Visual
-    from morse.core.values import Options, Value
+    from morse.core.values import Properties, Value
 
 _SHAPE = ("scan_window", "resolution", "layers", "layer_separation", "layer_offset")
 
@@ -82,7 +82,7 @@ class CompoundSensor(SensorCreator):
             if not isinstance(sensor, AbstractComponent):
                 raise TypeError(f"CompoundSensor(sensors) takes a list of sensors; one item is {checks.shown(sensor)}")
 
-    def _scene_options(self) -> Options:
+    def _scene_options(self) -> Properties:
         # the names of the other sensors are known only at this point
         self.properties(sensors=",".join(sensor.name for sensor in self.sensors))
         return super()._scene_options()

@@ -18,11 +18,12 @@ from morse.plugins.legacy.object_data import kind_of
 from morse.scene import Camera, Light, Material, Node, NodeKind
 
 if TYPE_CHECKING:
-    from morse.core.values import Options
+    from collections.abc import Mapping
+
     from morse.scene import Mesh
 
 _FINISHED = {"FINISHED"}
-_DEFAULTS: Options = {"BOOL": False, "INT": 0, "FLOAT": 0.0, "STRING": "", "TIMER": timer(0.0)}
+_DEFAULTS: dict[str, object] = {"BOOL": False, "INT": 0, "FLOAT": 0.0, "STRING": "", "TIMER": timer(0.0)}
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
@@ -142,7 +143,7 @@ class MeshOperators(Facade):
         return _solid("Torus", torus(), (r, r, tube / 0.25), location, rotation)
 
 
-def _half(radius: object, old: Options) -> float:
+def _half(radius: object, old: Mapping[str, object]) -> float:
     """Half the size: ``size`` of newer versions of Blender is the whole edge, ``radius`` of older ones is half."""
     if "size" in old:
         return checks.number(old["size"], "size", above=0.0) / 2.0
