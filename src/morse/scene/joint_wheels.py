@@ -41,6 +41,8 @@ _STEERS = 0.7
 _SQUARE = 0.05
 #: largest distance of the axle from the middle of a wheel, as a part of its radius: the shank of a leg is no wheel
 _CENTRED = 0.2
+#: largest distance of what further joints carry from the axle, as a part of the radius: rollers, but no shank
+_CARRIED = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class JointWheel:
         along: cosine of the angle between its axis and the Y axis: 1 if it rolls forward at positive speeds.
         is_endless: whether it turns without limits.
         carrier: the joint that steers it, as in a caster or a steered wheel; empty for none.
-        is_centred: whether the axle is in the middle of its shapes.
+        is_centred: whether the axle is in the middle of its shapes, and what it carries is not far from it.
         rounds: nodes and shapes that are cylinders about the axle, or boxes in their place.
         friction: coefficient of its shapes in the file; None for the default.
         dynamics: of its joint; None if the physics does not move it.
@@ -78,6 +80,11 @@ class JointWheel:
         """Whether it can be a driven wheel."""
         return self.is_endless and self.is_centred and not self.carrier
 
+    @property
+    def is_lateral(self) -> bool:
+        """Whether it has shapes, about an axle along the Y axis of the robot."""
+        return abs(self.along) > _ALONG and self.radius > 0.0
+
 
 def joint_wheels(robot: Node) -> list[JointWheel]:
     """The joints of a robot that turn, as wheels, as they are at the start."""
@@ -100,6 +107,9 @@ def joint_wheels(robot: Node) -> list[JointWheel]:
             axis, origin = axes[index], matmul(turn, np.array(frames[index][0])) + place
             centre, radius, is_centred, rounds = _extent(links.get(bone.name), base, origin, axis)
             x, y, z = centre.tolist()
+            for carried in _carried(bones, index):
+                for _, _, _, points in _clouds(links.get(carried.name), base):
+                    is_centred = is_centred and _distances(points - origin, axis).max() < _CARRIED * radius
             is_endless = bone.dynamics is not None and not bone.dynamics.limited and bone.leader < 0
             carrier = _carrier(bones, index, axes)
             frictions = [part.body.friction for part in _parts(links.get(bone.name)) if part.shapes]
@@ -124,15 +134,17 @@ def joint_wheels(robot: Node) -> list[JointWheel]:
 
 def driven_wheels(wheels: Sequence[JointWheel]) -> tuple[list[JointWheel], list[JointWheel]]:
     """The wheels on the left and on the right that a differential drive turns; empty if there are none."""
-    axles = [one for one in wheels if one.is_driven and abs(one.along) > _ALONG and one.radius > 0.0]
+    lateral = [one for one in wheels if one.is_endless and one.is_lateral]
+    lowest = min((one.z - one.radius for one in lateral), default=0.0)
+    largest = max((one.radius for one in lateral if one.is_driven), default=0.0)
+    # rollers, rotors above the ground, and motors above the shanks of legs are no wheels
+    axles = [
+        one
+        for one in lateral
+        if one.is_driven and one.z - one.radius < lowest + _ABOVE * one.radius and one.radius > 0.5 * largest
+    ]
     if not axles:
         return [], []
-    # rollers, rotors above the ground, and motors above the shanks of legs are no wheels
-    lowest = min(
-        one.z - one.radius for one in wheels if one.is_endless and abs(one.along) > _ALONG and one.radius > 0.0
-    )
-    largest = max(one.radius for one in axles)
-    axles = [one for one in axles if one.z - one.radius < lowest + _ABOVE * one.radius and one.radius > 0.5 * largest]
     middle = 0.5 * (max(one.y for one in axles) + min(one.y for one in axles))
     half = max(one.y for one in axles) - middle
     sides = [(one, one.y - middle) for one in axles if abs(one.y - middle) > max(_MIDDLE * half, 1e-3)]
@@ -171,6 +183,15 @@ def _carrier(bones: Sequence[Bone], index: int, axes: Sequence[_Points]) -> str:
     return ""
 
 
+def _carried(bones: Sequence[Bone], index: int) -> list[Bone]:
+    """The bones behind one."""
+    behind = {index}
+    for other, bone in enumerate(bones):
+        if bone.parent in behind:
+            behind.add(other)
+    return [bones[other] for other in sorted(behind - {index})]
+
+
 def _relative(node: Node, base: RigidFrame) -> tuple[_Points, _Points]:
     """Position (3,) and rotation (3, 3) of a node in a frame."""
     own, inverse = rigid_frame(node), _array(base.rotation).T
@@ -187,31 +208,40 @@ def _extent(
     """The centre of a wheel in the frame of the robot, its radius, m, whether the axle is there, and round shapes."""
     clouds: list[_Points] = []
     rounds: list[tuple[Node, CollisionShape]] = []
-    for node in _parts(link):
-        place, turn = _relative(node, base)
-        for shape in node.shapes or ():
-            rotation = np.array(shape.rotation).reshape(3, 3)
-            points = _points(shape)
-            if shape.kind is not ShapeKind.CONVEX:
-                points = matmul(points, rotation.T) + np.array(shape.position)
-            points = matmul(points, turn.T) + place - origin
-            if _is_round(shape, matmul(turn, rotation), points.mean(axis=0), axis):
-                rounds.append((node, shape))
-                if shape.kind is ShapeKind.BOX:
-                    # the middles of the sides, not the corners, are on the tread
-                    middle = points.mean(axis=0)
-                    across = points - middle - np.outer(matmul(points - middle, axis), axis)
-                    points = points - across * (1.0 - math.sqrt(0.5))
-            clouds.append(points)
+    for node, shape, turn, cloud in _clouds(link, base):
+        points = cloud - origin
+        if _is_round(shape, turn, points.mean(axis=0), axis):
+            rounds.append((node, shape))
+            if shape.kind is ShapeKind.BOX:
+                # the middles of the sides, not the corners, are on the tread
+                middle = points.mean(axis=0)
+                across = points - middle - np.outer(matmul(points - middle, axis), axis)
+                points = points - across * (1.0 - math.sqrt(0.5))
+        clouds.append(points)
     if not clouds:
         return origin, 0.0, True, ()
     points = np.concatenate(clouds)
     height = matmul(points, axis)
     across = points - np.outer(height, axis)
-    distances = np.linalg.norm(across, axis=1)
-    radius = float(distances.max())
+    radius = float(_distances(points, axis).max())
     is_centred = math.hypot(*(across.max(axis=0) + across.min(axis=0)).tolist()) < 2.0 * _CENTRED * radius
     return origin + axis * (height.max() + height.min()) / 2.0, radius, is_centred, tuple(rounds)
+
+
+def _distances(points: _Points, axis: _Points) -> _Points:
+    """The distances (N,) of points (N, 3) from an axis through the origin."""
+    return np.asarray(np.linalg.norm(points - np.outer(matmul(points, axis), axis), axis=1))
+
+
+def _clouds(link: Node | None, base: RigidFrame) -> Iterator[tuple[Node, CollisionShape, _Points, _Points]]:
+    """The shapes of a link and of what is fixed to it: their rotations (3, 3) and points (N, 3) in a frame."""
+    for node in _parts(link):
+        place, turn = _relative(node, base)
+        for shape in node.shapes or ():
+            rotation, points = np.array(shape.rotation).reshape(3, 3), _points(shape)
+            if shape.kind is not ShapeKind.CONVEX:
+                points = matmul(points, rotation.T) + np.array(shape.position)
+            yield node, shape, matmul(turn, rotation), matmul(points, turn.T) + place
 
 
 def _is_round(shape: CollisionShape, rotation: _Points, centre: _Points, axis: _Points) -> bool:

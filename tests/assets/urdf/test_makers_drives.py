@@ -162,3 +162,38 @@ def test_a_caster_of_a_file_keeps_its_friction(robot) -> None:
     assert slides == pytest.approx(1.2, rel=0.02)
     assert turned == pytest.approx(1.0, rel=0.05)
     assert brakes < slides
+
+
+def _legs(knee: str, motor: str = CYLINDER, shank: str = '<box size="0.03 0.03 0.3"/>') -> str:
+    """Four motors about lateral axes, each with a leg, as those of Minitaur."""
+    return "".join(
+        _link(f"motor_{end}_{side}", 0.3, motor, _LYING)
+        + _joint(f"m_{end}_{side}", "continuous", f"motor_{end}_{side}", f'xyz="{x} {y} 0.1"')
+        + _link(f"leg_{end}_{side}", 0.1, shank, 'xyz="0 0 0.15"')
+        + _joint(f"k_{end}_{side}", knee, f"leg_{end}_{side}", 'xyz="0.1 0 0"', parent=f"motor_{end}_{side}")
+        for end, x in (("front", 0.2), ("rear", -0.2)) for side, y in (("left", 0.2), ("right", -0.2))
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("shank", ['<box size="0.03 0.03 0.3"/>', '<cylinder radius="0.2" length="0.02"/>'])
+@pytest.mark.parametrize("knee", ["continuous", "fixed", "revolute"])
+def test_motors_that_carry_legs_are_no_wheels(robot, knee, shank) -> None:
+    with pytest.raises(Exception, match="has no wheels to drive"):
+        robot(BASE + _legs(knee, shank=shank))
+
+
+def test_a_wheel_whose_joint_has_no_range_turns_without_end(robot) -> None:
+    """MuJoCo and PyBullet read a <limit> that gives an effort alone so; the format itself would lock the joint."""
+    wheels = _pair(CYLINDER, _LYING, rest='<limit effort="5" velocity="40"/>').replace("continuous", "revolute")
+    distance, _ = driven(robot(BASE + wheels + REAR + FRONT))
+    assert distance == pytest.approx(1.2, rel=0.02)
+
+
+@pytest.mark.parametrize("marker", ["", '<visual><geometry><sphere radius="0.01"/></geometry></visual>'])
+def test_a_robot_that_floats_beside_a_marker_is_free(robot, marker) -> None:
+    marked = f'<link name="footprint">{marker}</link>' + _joint(
+        "float", "floating", "base_link", "", parent="footprint"
+    )
+    simulation = robot(marked + BASE + ROUND + REAR + FRONT)
+    assert simulation.robot.pose.get()["z"] == pytest.approx(0.0, abs=0.005)
+    assert driven(simulation)[0] == pytest.approx(1.2, rel=0.02)

@@ -202,7 +202,7 @@ def test_what_cannot_be_read_is_left_out_with_a_warning(tmp_path: Path) -> None:
     file.write_text(
         f'<robot name="odd"><link name="a">{visuals}<visual><geometry><cone radius="1" length="1"/></geometry>'
         '</visual><visual><geometry><box size="1, 1, 0 7"/></geometry></visual></link><link name="b"/>'
-        '<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint>'
+        '<joint name="j" type="planar"><parent link="a"/><child link="b"/></joint>'
         "</robot>"
     )
     library = read_urdf(file)

@@ -165,7 +165,10 @@ class _Parser:
         (low,), (high,) = (self.limit(limit, name) for name in ("lower", "upper"))
         if kind in LOOSE:
             low = high = 0.0
-        elif kind == "continuous" or (limit is None and kind != "fixed"):
+        elif kind == "continuous" or (
+            kind != "fixed" and not {"lower", "upper"} & set(() if limit is None else limit.keys())
+        ):
+            # a joint that nothing limits; 0 for both, the default of the format, would lock it, and no engine does
             low, high = -_ENDLESS, _ENDLESS
         if low > high:
             self.warnings.append(f"the joint '{name}' goes from {low:g} to {high:g}; it has no limits here")
@@ -240,9 +243,10 @@ def parse(path: Path) -> Document:
 
 
 def _let_float(parser: _Parser, links: dict[str, Link], root: str, sequence: list[Joint]) -> tuple[str, list[Joint]]:
-    """Return the root and the joints without a world link relative to which the robot floats; robots are free."""
+    """Return the root and the joints without a link of no substance relative to which the robot floats: it is free."""
     first = [joint for joint in sequence if joint.parent == root]
-    if root != WORLD or len(first) != 1 or first[0].kind != "floating":
+    is_marker = root == WORLD or (links[root].inertial is None and not links[root].collisions)
+    if not is_marker or len(first) != 1 or first[0].kind != "floating":
         return root, sequence
     x, y, z = first[0].origin.translation
     if max(map(abs, (x, y, z))) > 1e-9:
@@ -250,6 +254,8 @@ def _let_float(parser: _Parser, links: dict[str, Link], root: str, sequence: lis
             f"the joint '{first[0].name}' places the robot at {x:g} {y:g} {z:g}: set the position in the script "
             "instead, with translate()"
         )
+    if links[root].visuals:
+        parser.warnings.append(f"the link '{root}', relative to which the robot floats, is not shown")
     del links[root]
     return first[0].child, [joint for joint in sequence if joint is not first[0]]
 
