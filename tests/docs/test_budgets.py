@@ -19,7 +19,7 @@ ROWS = [
     ("middleware.ros2.simulation_interfaces", "_LONGEST_SEARCH", 0.02, "search", "20 ms"),
     ("core.clients.budgets", "MOST_PIXELS", 8_000_000, "sizes of images", "8,000,000"),
     ("core.clients.budgets", "RAY", 16, "sizes of images", "as 16 pixels"),
-    ("core.clients.budgets", "_LEAST_RATE", 10.0, "sizes of images", "less than 10 "),
+    ("core.clients.budgets", "LEAST_RATE", 10.0, "sizes of images", "less than 10 "),
     ("simulation.population", "_MOST_ROOTS", 20_000, "objects of a scene", "20,000"),
     ("core.validation.names", "LONGEST_NAME", 100, "names of what", "100 letters"),
     ("viewer.editor", "_MOST_CHANGES", 1000, "unsaved changes", "1,000"),

@@ -139,7 +139,7 @@ class Run:
             if self.kind == "waiting" and tick == parts.TICK:
                 self.simulation.schedule()
             if self.kind == "rearranged" and tick == parts.TICK:
-                self.simulation._tell(lambda observer: observer.rearranged())
+                self.simulation.context.guard.tell(self.simulation.observers, lambda one: one.rearranged())
             if self.kind == "report_pace" and tick == parts.TICK:
                 self.simulation._loop._slow = True
                 self.simulation._loop.restarted()

@@ -15,7 +15,7 @@ from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, entry_points, load
 from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
@@ -112,17 +112,21 @@ def model_format(path: Path) -> ModelFormat:
         return ModelFormat(cast("Callable[[Path], Library]", getattr(import_module(module), function)))
     if (point := _of_packages(entry_points("morse.formats")).get(suffix)) is not None:
         try:
-            found = point.load()
-            if not isinstance(found, ModelFormat) and not callable(found):
-                raise TypeError(f"it is {found!r:.80}, expected a function or a ModelFormat")
-        except Exception as error:  # the package is third-party code
+            return load(point, _as_format)
+        except PluginError as error:
             raise UnsupportedFormatError(
-                f"'{path}': the reader of an installed package ({point.value}) cannot be loaded: "
-                f"{type(error).__name__}: {error}"
+                f"'{path}': the reader of an installed package ({point.value}) cannot be loaded: {error}"
             ) from None
-        return found if isinstance(found, ModelFormat) else ModelFormat(found)
     raise UnsupportedFormatError(
         f"'{path}': cannot read files of type '{path.suffix or 'without suffix'}'; "
         f"supported: {', '.join(suffixes())}. Convert it with the program that has written it, "
         "or add a reader by the entry point morse.formats"
     )
+
+
+def _as_format(found: object) -> ModelFormat:
+    if isinstance(found, ModelFormat):
+        return found
+    if not callable(found):
+        raise TypeError(f"it is {found!r:.80}, expected a function or a ModelFormat")
+    return ModelFormat(found)

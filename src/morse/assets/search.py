@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import is_model, model_format, suffixes
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, attempt, entry_points
 from morse.system import OF_MACHINE, variables
 from morse.system.shared_folders import expanded
 
@@ -72,13 +72,13 @@ def component_dirs() -> list[Path]:
 @lru_cache(maxsize=64)
 def _package_dirs(package: str) -> list[Path]:
     """The directories of an installed package; an empty list, with a warning, if the package cannot be found."""
+    error: object = "the package does not exist"
     try:
-        spec = importlib.util.find_spec(package)
+        spec = attempt(lambda: importlib.util.find_spec(package))  # importing a parent package runs third-party code
         if spec is not None and spec.submodule_search_locations:
             return [Path(directory) for directory in spec.submodule_search_locations]
-        error: object = "the package does not exist"
-    except Exception as raised:  # importing a parent package runs third-party code
-        error = repr(raised)
+    except PluginError as raised:
+        error = raised
     logger.warning("the models of the installed package '%s' are left out: %s", package, error, extra=OF_MACHINE)
     return []
 

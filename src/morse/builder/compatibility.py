@@ -6,23 +6,27 @@ A plug-in is a subclass of `Compatibility`, of which an entry point names an obj
     my_lab = "my_lab.old_scripts:COMPATIBILITY"
 
 What scripts write today does not ask for it: it is asked for names, forms and mistakes that the builder does not know.
+A plug-in that fails is named in the log, and not asked again.
 """
 
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, attempt, entry_points, load
+from morse.core.exceptions import MorseError
 from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
     from importlib.metadata import EntryPoint
     from pathlib import Path
-    from types import ModuleType
+
+_T = TypeVar("_T")
 
 logger = logging.getLogger(__name__)
 
@@ -84,11 +88,19 @@ class Compatibility:
         """A function that returns an attribute which an object of the builder, or a module, lacks; None if unknown."""
 
     def set_attribute(self, owner: object, name: str, value: object) -> bool:
-        """Set an attribute that an object of the builder lacks; False if it is unknown."""
+        """Set an attribute that an object of the builder lacks; False if it is unknown.
+
+        Raises:
+            MorseError, TypeError, ValueError: the script gives a wrong value.
+        """
         return False
 
     def call(self, owner: object, method: str, arguments: dict[str, Any]) -> dict[str, Any]:
-        """The arguments of a call, by name, in the form of today; arguments of earlier versions may be among them."""
+        """The arguments of a call, by name, in the form of today; arguments of earlier versions may be among them.
+
+        Raises:
+            MorseError, TypeError, ValueError: the script gives a wrong argument.
+        """
         return arguments
 
     def value(self, kind: str, value: object, what: str) -> object:
@@ -98,6 +110,9 @@ class Compatibility:
             kind: what is expected: ``number``, ``boolean`` or ``names``, a list of texts.
             value: the argument of the script.
             what: name of the argument in messages.
+
+        Raises:
+            MorseError, TypeError, ValueError: the script gives a wrong value.
         """
         return value
 
@@ -122,8 +137,106 @@ class Compatibility:
         return text
 
 
+#: what a plug-in may raise for a mistake of a script
+_OF_SCRIPTS = (MorseError, TypeError, ValueError)
+
+
+class _Contained(Compatibility):
+    """A plug-in of which nothing is asked any more after it has failed: the builder goes on without it.
+
+    Args:
+        entry: the plug-in.
+        place: what its entry point names.
+    """
+
+    def __init__(self, entry: Compatibility, place: str) -> None:
+        self._entry, self._place = entry, place
+        self._is_on = True
+
+    def _ask(self, answer: Callable[[], _T], otherwise: _T, kinds: type | tuple[type, ...] = object) -> _T:
+        """Return an answer of the plug-in of one of these classes, else another one."""
+        if not self._is_on:
+            return otherwise
+        try:
+            found = attempt(answer)
+            if isinstance(found, kinds):
+                return found
+            reason = f"it returns {found!r:.80}, expected {otherwise!r:.80}"
+        except PluginError as error:
+            reason = str(error)
+        self._is_on = False
+        _warn(self._place, reason)
+        return otherwise
+
+    def _ask_of_script(self, answer: Callable[[], _T], otherwise: _T, kinds: type = object) -> _T:
+        """`_ask`, for what raises errors for mistakes of a script."""
+        mistakes: list[Exception] = []
+
+        def answered() -> _T:
+            try:
+                return answer()
+            except _OF_SCRIPTS as mistake:
+                mistakes.append(mistake)
+                return otherwise
+
+        found = self._ask(answered, otherwise, kinds)
+        for mistake in mistakes:
+            raise mistake
+        return found
+
+    def arguments(self, script: Path, words: Sequence[str], directories: Iterable[str]) -> list[str] | None:
+        return self._ask(lambda: self._entry.arguments(script, words, directories), None, (list, type(None)))
+
+    def modules(self) -> ScriptModules:
+        def copied() -> ScriptModules:
+            given = self._entry.modules()
+            return replace(given, finders=tuple(given.finders), offered=dict(given.offered), names=dict(given.names))
+
+        modules = self._ask(copied, ScriptModules())
+        return replace(
+            modules,
+            as_imported=lambda module: self._ask(lambda: modules.as_imported(module), module, ModuleType),
+            close=lambda: self._ask(modules.close, None),
+        )
+
+    def attributes(self, owner: object) -> Iterable[str]:
+        return self._ask(lambda: tuple(map(str, self._entry.attributes(owner))), ())
+
+    def attribute(self, owner: object, name: str) -> Callable[[], object] | None:
+        get = self._ask(lambda: self._entry.attribute(owner, name), None)
+        return get if callable(get) else None
+
+    def set_attribute(self, owner: object, name: str, value: object) -> bool:
+        return self._ask_of_script(lambda: bool(self._entry.set_attribute(owner, name, value)), False)
+
+    def call(self, owner: object, method: str, arguments: dict[str, Any]) -> dict[str, Any]:
+        return self._ask_of_script(lambda: self._entry.call(owner, method, dict(arguments)), arguments, dict)
+
+    def value(self, kind: str, value: object, what: str) -> object:
+        return self._ask_of_script(lambda: self._entry.value(kind, value, what), value)
+
+    def mend_of_syntax(self, error: SyntaxError) -> str:
+        return self._ask(lambda: self._entry.mend_of_syntax(error), "", str)
+
+    def mended_line(self, line: str) -> str:
+        return self._ask(lambda: self._entry.mended_line(line), line, str)
+
+    def mend_of_name(self, name: str) -> str:
+        return self._ask(lambda: self._entry.mend_of_name(name), "", str)
+
+    def name_of_today(self, name: str) -> str:
+        return self._ask(lambda: self._entry.name_of_today(name), "", str)
+
+    def mended_text(self, text: str) -> str:
+        return self._ask(lambda: self._entry.mended_text(text), text, str)
+
+
+def _warn(place: str, reason: str) -> None:
+    logger.warning("the old scripts of an installed package (%s) are left out: %s", place, reason, extra=OF_MACHINE)
+
+
 def installed() -> tuple[Compatibility, ...]:
-    """Those of this installation; the log names those that cannot be loaded."""
+    """Those of this installation; the log names those that fail."""
     return _loaded(entry_points("morse.compatibility"))
 
 
@@ -132,17 +245,16 @@ def _loaded(points: tuple[EntryPoint, ...]) -> tuple[Compatibility, ...]:
     found: list[Compatibility] = []
     for point in points:
         try:
-            entry = point.load()
-            if not isinstance(entry, Compatibility):
-                raise TypeError(f"it is no morse.builder.compatibility.Compatibility, but {entry!r:.80}")
-            found.append(entry)
-        except Exception as error:  # the package is third-party code
-            logger.warning(
-                "the old scripts of an installed package (%s) are left out: %s: %s",
-                *(point.value, type(error).__name__, error),
-                extra=OF_MACHINE,
-            )
+            found.append(_Contained(load(point, _checked), point.value))
+        except PluginError as error:
+            _warn(point.value, str(error))
     return tuple(found)
+
+
+def _checked(entry: object) -> Compatibility:
+    if not isinstance(entry, Compatibility):
+        raise TypeError(f"it is no morse.builder.compatibility.Compatibility, but {entry!r:.80}")
+    return entry
 
 
 def value_of_today(kind: str, value: object, what: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import logging
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.components import actuators_with_parts, armatures
@@ -20,7 +21,7 @@ from morse.builder.components.sensors import (
 from morse.builder.creator import ActuatorCreator, SensorCreator
 from morse.builder.names import catalog
 from morse.core.classes.builder_defaults import builder_defaults
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, attempt, entry_points
 from morse.core.exceptions import MorseBuilderNoComponentError
 from morse.system import OF_MACHINE
 
@@ -93,11 +94,11 @@ def installed_classes(module: str) -> dict[str, type[Component]]:
     for point in entry_points("morse.components"):
         try:
             for kind in _CREATORS | {"robots": DeclaredRobot}:
-                classes |= derived_classes(f"{point.value}.{kind}", module)
-        except Exception as error:
+                classes |= attempt(partial(derived_classes, f"{point.value}.{kind}", module))
+        except PluginError as error:
             # an error in a third-party package must not prevent the scene from being built
             logger.warning(
-                "the components of the installed package '%s' are left out: %r", point.value, error, extra=OF_MACHINE
+                "the components of the installed package '%s' are left out: %s", point.value, error, extra=OF_MACHINE
             )
     return classes
 

@@ -15,7 +15,7 @@ import typer.core
 import typer.main
 
 from morse.cli.messages import CommandError, complain, nearest, sentence
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, entry_points, load
 from morse.core.exceptions import MorseError
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.reports.printing import echo
@@ -130,14 +130,15 @@ def _function(name: str) -> tuple[Callable[..., Any], dict[str, Any] | None]:
         return getattr(module, function or "command"), getattr(module, "CONTEXT_SETTINGS", None)
     point = next(point for point in entry_points(_GROUP) if point.name == name)
     try:
-        function_of_package = point.load()
-        if not callable(function_of_package):
-            raise TypeError(f"it is {function_of_package!r:.80}, expected a function")
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # the package is third-party code
-        return _broken(f"The command '{name}' ({point.value}) cannot be loaded: {describe(error)}"), None
-    return _contained(name, function_of_package), None
+        return _contained(name, load(point, _callable)), None
+    except PluginError as error:
+        return _broken(f"The command '{name}' ({point.value}) cannot be loaded: {error}"), None
+
+
+def _callable(found: object) -> Callable[..., Any]:
+    if not callable(found):
+        raise TypeError(f"it is {found!r:.80}, expected a function")
+    return found
 
 
 def _contained(name: str, function: Callable[..., Any]) -> Callable[..., Any]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, entry_points, load
 from morse.core.reports.printing import echo
 from morse.middleware.registry import Middleware
 from morse.version import __version__
@@ -78,9 +78,9 @@ def plugins() -> Iterator[Plugin]:
 
 def _examined(point: EntryPoint, brings: str) -> Plugin:
     try:
-        found = point.load()
-    except Exception as error:  # the package is third-party code
-        reason = f"cannot be loaded: {type(error).__name__}: {error}"
+        found: object = load(point, lambda entry: entry)
+    except PluginError as error:
+        reason = f"cannot be loaded: {error}"
         return Plugin(point.name, brings, point.value, lacks=reason, is_broken=True)
     if not isinstance(found, Middleware):
         return Plugin(point.name, brings, point.value, getattr(found, "purpose", ""))

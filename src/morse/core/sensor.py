@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from morse.core.clients.budgets import LEAST_RATE
 from morse.core.declarations import add_data, add_state, data_fields, fields_of_component
 from morse.core.declarations.refused import numbers_in
 from morse.core.guard import modify
@@ -218,10 +219,6 @@ class Sensor(Object):
         self.local_data[field] = before if noise.lost()[0] else value
 
 
-#: Hz; a slower sensor counts as this in the budget of pixels (`morse.core.clients.budgets`)
-_LEAST_RATE = 10.0
-
-
 class OnDemand:
     """Holds the data of a sensor that measures while somebody reads it.
 
@@ -263,7 +260,7 @@ class OnDemand:
         sensor = self._sensor
         clock = sensor.clock
         passed = clock.tick - self._tick
-        return self._tick >= 0 and 0 <= passed < clock.frequency / max(sensor.frequency, _LEAST_RATE) - 1e-9
+        return self._tick >= 0 and 0 <= passed < clock.frequency / max(sensor.frequency, LEAST_RATE) - 1e-9
 
     def kept_of(self, _member: Component) -> Fields:
         """Return the data of the last measurement."""

@@ -7,24 +7,26 @@ import logging
 import math
 import numbers
 import os
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.assets.formats import is_model
+from morse.core.classes.plugins import PluginError, entry_points
+from morse.core.classes.plugins import load as load_plugin
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import closest, nearest, quoted
 from morse.kernel import loading, threads
 from morse.scene import Scene
 from morse.scene.image_workers import image_workers
-from morse.scene.scene_warnings import about, scene_warnings
+from morse.scene.scene_warnings import SceneWarning, about, scene_warnings
 from morse.simulation.options import RunOptions
 from morse.system import variables
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from morse.physics.model.compile import Compiled
-    from morse.scene.scene_warnings import SceneWarning
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.main")
@@ -32,6 +34,8 @@ logger = logging.getLogger("morse.main")
 _ON_FAILURE = ("deactivate", "raise")
 _ON_WARNING = ("log", "raise")
 _VIEWS = ("web", "studio", "none", None)
+#: maximum number of warnings of one check; the log is to be read
+_MOST_WARNINGS = 100
 
 
 def load(
@@ -288,7 +292,7 @@ def complete(simulation: Simulation) -> None:
     """
     from morse.physics.model.overlaps import below_the_floor, overlaps
     from morse.physics.model.raised_robots import raised
-    from morse.simulation.reviews import Fallen, PublishedData, log_warnings_of_packages
+    from morse.simulation.reviews import Fallen, PublishedData
 
     with scene_warnings(refused=simulation.options.on_warning == "raise") as collected, about(simulation.scene.where):
         simulation.load()
@@ -298,7 +302,7 @@ def complete(simulation: Simulation) -> None:
                 logger.warning("%s", message, extra={"where": where})
         if others:
             logger.info("%s", others)
-        log_warnings_of_packages(simulation.scene)
+        _log_warnings_of_packages(simulation.scene)
         refuse(collected.complete())
     if simulation.options.view != "none":
         from morse.viewer.opening import open_view
@@ -320,6 +324,31 @@ def complete(simulation: Simulation) -> None:
         simulation.record(options.record, options.record_only)
         # if an edited scene replaces this one, it has a separate recording
         options.record = next_name(options.record)
+
+
+def _log_warnings_of_packages(scene: Scene) -> None:
+    """Log what the checks of packages find in a complete scene; a check that fails is named, and the others go on.
+
+    A package names a function, which gets the scene and returns `morse.scene.SceneWarning` objects, by an entry point::
+
+        [project.entry-points."morse.checks"]
+        masses = "my_lab.checks:heavy_props"
+    """
+    with scene.project:
+        for point in entry_points("morse.checks"):
+            try:
+                load_plugin(point, lambda check: _log(check(scene)))
+            except PluginError as error:
+                logger.warning("the check '%s' (%s) cannot be made: %s", point.name, point.value, error)
+
+
+def _log(warnings: Iterable[object] | None) -> None:
+    if warnings is None or isinstance(warnings, str):
+        raise TypeError(f"it returns {warnings!r:.80}, expected morse.scene.SceneWarning objects: a list, or 'yield'")
+    for warning in islice(warnings, _MOST_WARNINGS):
+        if not isinstance(warning, SceneWarning):
+            raise TypeError(f"it returns {warning!r:.80}, expected objects of morse.scene.SceneWarning")
+        logger.warning("%s", warning.message, extra={"where": warning.where, "is_old": warning.is_old})
 
 
 def next_name(path: str) -> str:

@@ -21,7 +21,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import morse.middleware
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, attempt, entry_points, load
 from morse.core.declarations import kinds as kinds_of
 from morse.core.declarations import says_nothing
 from morse.core.exceptions import MorseMiddlewareError
@@ -102,7 +102,7 @@ class Middleware:
 
     def lacks(self) -> list[str]:
         """Those of its modules that are not installed; nothing is imported."""
-        return [module for module in self.modules if find_spec(module) is None]
+        return [module for module in self.modules if not _is_installed(module)]
 
     def how_to_install(self) -> str:
         """The command that installs what it needs; empty if it needs nothing."""
@@ -152,18 +152,25 @@ def _ours(package: str) -> Middleware | None:
     return entry if isinstance(entry, Middleware) else None
 
 
+def _is_installed(module: str) -> bool:
+    try:
+        return attempt(lambda: find_spec(module)) is not None
+    except PluginError:  # a package above it is not installed, or fails
+        return False
+
+
 def _brought(point: EntryPoint) -> Middleware:
     try:
-        entry = point.load()
-    except Exception as error:  # the package is third-party code
+        return load(point, _checked)
+    except PluginError as error:
         raise MorseMiddlewareError(
-            f"the middleware '{point.name}' of an installed package ({point.value}) cannot be loaded: "
-            f"{type(error).__name__}: {error}"
+            f"the middleware '{point.name}' of an installed package ({point.value}) cannot be loaded: {error}"
         ) from None
+
+
+def _checked(entry: object) -> Middleware:
     if not isinstance(entry, Middleware):
-        raise MorseMiddlewareError(
-            f"the entry point '{point.name}' of {_GROUP} ({point.value}) is not a morse.middleware.registry.Middleware"
-        )
+        raise TypeError(f"it is {entry!r:.80}, expected a morse.middleware.registry.Middleware")
     return entry
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets import search
 from morse.core.abstractobject import AbstractObject
-from morse.core.classes.plugins import entry_points
-from morse.core.reports.faults import ENDINGS, describe
+from morse.core.classes.plugins import PluginError, entry_points, load
 from morse.core.validation.names import check_name
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
@@ -25,7 +25,7 @@ from morse.simulation.handles.world_changes import NamedPictures
 from morse.simulation.loader import add_request_manager
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from morse.core.context import Context
     from morse.simulation.simulation import Simulation
@@ -80,16 +80,19 @@ def _of_packages(context: Context, present: list[str]) -> Iterator[AbstractObjec
     """
     for point in entry_points("morse.services"):
         try:
-            check_name(point.name, present)
-            made = point.load()(context)
-            if not isinstance(made, AbstractObject):
-                raise TypeError(f"it is {made!r:.80}, expected an object of a class derived from AbstractObject")
-            if made.name() != point.name:
-                raise ValueError(f"its name() is {made.name()!r:.80}, expected that of the entry point, '{point.name}'")
-        except ENDINGS:
-            raise
-        except BaseException as error:  # the package is third-party code
-            logger.warning("the services of the package %s are left out: %s", point.value, describe(error))
+            made = load(point, partial(_made, context, point.name, present))
+        except PluginError as error:
+            logger.warning("the services of the package %s are left out: %s", point.value, error)
             continue
         present.append(point.name)
         yield made
+
+
+def _made(context: Context, name: str, present: list[str], cls: Callable[[Context], object]) -> AbstractObject:
+    check_name(name, present)
+    made = cls(context)
+    if not isinstance(made, AbstractObject):
+        raise TypeError(f"it is {made!r:.80}, expected an object of a class derived from AbstractObject")
+    if made.name() != name:
+        raise ValueError(f"its name() is {made.name()!r:.80}, expected that of the entry point, '{name}'")
+    return made

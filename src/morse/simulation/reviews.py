@@ -1,30 +1,23 @@
-"""Checks between ticks: robots that leave the world, and data that do not match their declarations."""
+"""Reviews between ticks: robots that leave the world, and data that do not match their declarations."""
 
 from __future__ import annotations
 
 import logging
 import math
-from itertools import islice
 from typing import TYPE_CHECKING
 from weakref import WeakSet
 
-from morse.core.classes.plugins import entry_points
 from morse.core.exceptions import MorseError
 from morse.core.guard import Failure
 from morse.core.hidden_methods import uncover
-from morse.core.reports.faults import ENDINGS, describe
 from morse.core.sensor import misfits
 from morse.physics.model.bottom import bottom_of
 from morse.physics.model.lowest import lowest_shape
-from morse.scene.scene_warnings import SceneWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from morse.core.declarations import DataField
     from morse.core.object import Object
     from morse.core.robot import Robot
-    from morse.scene import Scene
     from morse.simulation.simulation import Simulation
 
 
@@ -157,35 +150,3 @@ class PublishedData:
 def _is_definite(field: DataField) -> bool:
     """Return whether type and initial value agree: components of 1.4 declare a list with the initial value 'none'."""
     return field.shape is not None or type(field.default) in _TYPES.get(field.type, ())
-
-
-# Checks of installed packages and of the project: what they find are warnings about the scene.
-#
-# A package names a function, which gets the scene and returns `morse.scene.SceneWarning` objects, by an entry point::
-#
-#     [project.entry-points."morse.checks"]
-#     masses = "my_lab.checks:heavy_props"
-
-#: maximum number of warnings of one check; the log is to be read
-_MOST = 100
-
-
-def log_warnings_of_packages(scene: Scene) -> None:
-    """Log what the checks of packages find in a complete scene; a check that fails is named, and the others go on."""
-    with scene.project:
-        for point in entry_points("morse.checks"):
-            try:
-                _log(point.load()(scene))
-            except ENDINGS:
-                raise
-            except BaseException as error:  # the package is third-party code
-                logger.warning("the check '%s' (%s) cannot be made: %s", point.name, point.value, describe(error))
-
-
-def _log(warnings: Iterable[object] | None) -> None:
-    if warnings is None or isinstance(warnings, str):
-        raise TypeError(f"it returns {warnings!r:.80}, expected morse.scene.SceneWarning objects: a list, or 'yield'")
-    for warning in islice(warnings, _MOST):
-        if not isinstance(warning, SceneWarning):
-            raise TypeError(f"it returns {warning!r:.80}, expected objects of morse.scene.SceneWarning")
-        logger.warning("%s", warning.message, extra={"where": warning.where, "is_old": warning.is_old})

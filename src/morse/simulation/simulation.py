@@ -316,10 +316,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
 
     def viewpoint_changed(self) -> None:
         """Called when a service moved the camera of the scene."""
-        self._tell(lambda observer: observer.viewpoint_changed())
-
-    def _tell(self, event: Callable[[Observer], None]) -> None:
-        self.context.guard.tell(self.observers, event)
+        self.context.guard.tell(self.observers, lambda observer: observer.viewpoint_changed())
 
     # -- state -----------------------------------------------------------------------------
 
@@ -374,7 +371,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
             for obj in self.context.service_objects:
                 if obj.get_state() is None:
                     obj.restart()
-        self._tell(lambda observer: observer.rearranged())
+        self.context.guard.tell(self.observers, lambda observer: observer.rearranged())
         self._loop.restarted()
 
     def arrange(self, state: State, *, described: bool) -> None:
@@ -382,7 +379,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
         self._check_open()
         with acting(self.context):
             self._saving.arrange(state, described=described)
-        self._tell(lambda observer: observer.rearranged())
+        self.context.guard.tell(self.observers, lambda observer: observer.rearranged())
 
     def _end_services(self) -> None:
         """End running services as preempted."""
@@ -506,7 +503,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
                 self.stop()
                 raise
         self.components_changed()
-        self._tell(lambda observer: observer.restarted())
+        self.context.guard.tell(self.observers, lambda observer: observer.restarted())
         self._loop.restarted()
 
     def start_anew(self) -> None:

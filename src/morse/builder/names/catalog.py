@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from morse.builder.errors import checks
 from morse.core.classes import classpath as classpaths
 from morse.core.classes.definitions import indexed
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, attempt, entry_points
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 from morse.system import OF_MACHINE
 
@@ -184,13 +184,15 @@ def _own_modifiers() -> tuple[Entry, ...]:
 
 def _modifiers_of(package: str) -> Iterator[Entry]:
     try:
-        for module, definition in classes(package):
-            if "_names" in definition.attributes:
-                classpath = f"{module}.{definition.name}"
-                yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
-    except Exception as error:
+        definitions = attempt(lambda: list(classes(package)))
+    except PluginError as error:
         # an error in a third-party package must not prevent the scene from being built
-        logger.warning("the modifiers of %s are left out: %r", package, error, extra=OF_MACHINE)
+        logger.warning("the modifiers of %s are left out: %s", package, error, extra=OF_MACHINE)
+        return
+    for module, definition in definitions:
+        if "_names" in definition.attributes:
+            classpath = f"{module}.{definition.name}"
+            yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
 
 
 def find_modifier(name: str, component: type | None) -> str:

@@ -9,13 +9,16 @@ is below it::
 
 from __future__ import annotations
 
+import logging
 import sys
+import threading
 from importlib import import_module
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, attempt, entry_points
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -24,6 +27,18 @@ if TYPE_CHECKING:
 #: packages whose modules may be elsewhere today
 _PACKAGES = ("morse.builder", "morse.builder.robots", "morse.core", "morse.helpers", "morse.middleware")
 
+
+logger = logging.getLogger(__name__)
+
+
+class _Search(threading.local):
+    """The modules that this thread looks for at the moment."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+
+
+_search = _Search()
 
 #: are called with the old and the present path of each such module that is imported for the first time
 observers: list[Callable[[str, str], None]] = []
@@ -34,6 +49,23 @@ def present_module(old: str) -> str | None:
     paths = {point.name: point.value for point in entry_points("morse.old_modules")}
     found = max((path for path in paths if f"{old}.".startswith(f"{path}.")), key=len, default=None)
     return None if found is None else paths[found] + old.removeprefix(found)
+
+
+def _found(old: str, present: str) -> ModuleSpec | None:
+    """The specification of the present module; None, with a warning, if an entry point names what is not there."""
+    reason = "the present path leads back to it"
+    if old not in _search.names:
+        _search.names.append(old)
+        try:
+            if (spec := attempt(lambda: find_spec(present))) is not None:
+                return spec
+            reason = "there is no such module"
+        except PluginError as error:
+            reason = str(error)
+        finally:
+            _search.names.pop()
+    logger.warning("the old module '%s' is left out, which is '%s' today: %s", old, present, reason, extra=OF_MACHINE)
+    return None
 
 
 class OldModules:
@@ -56,7 +88,7 @@ class OldModules:
         elif not parent.startswith("morse.") or parent not in sys.modules or sys.modules[parent].__name__ == parent:
             return None
         present = present_module(name)
-        if present is None or (found := find_spec(present)) is None:
+        if present is None or (found := _found(name, present)) is None:
             return None
         for observer in observers:
             observer(name, present)

@@ -6,6 +6,9 @@ A package declares them by entry points in its ``pyproject.toml``::
     my_lab = "my_lab"
 
 A project, whose ``src`` is on the import path, need not be installed: its ``pyproject.toml`` itself is read.
+
+What entry points name is loaded by `load`, and other code of packages is called by `attempt`: what they raise is a
+`PluginError`, for which the caller leaves the package out and names it.
 """
 
 from __future__ import annotations
@@ -16,18 +19,53 @@ import re
 import sys
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from morse.core.exceptions import MorseError
 from morse.system import OF_MACHINE
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from importlib.metadata import EntryPoint
+
+_T = TypeVar("_T")
 
 logger = logging.getLogger(__name__)
 
 _SUFFIXES = (".dist-info", ".egg-info")
 _NOTHING: tuple[str, tuple[EntryPoint, ...]] = ("", ())
+
+
+class PluginError(MorseError):
+    """What an installed package, or the project, brings cannot be used; the message is the error and its line."""
+
+
+def load(point: EntryPoint, use: Callable[[Any], _T]) -> _T:
+    """Load what an entry point names, and return what ``use`` makes of it: it checks the object, or creates one.
+
+    Raises:
+        PluginError: the package cannot be imported, or ``use`` has raised an error; see `attempt`.
+    """
+    return attempt(lambda: use(point.load()))
+
+
+def attempt(call: Callable[[], _T]) -> _T:
+    """Call code of a package.
+
+    Raises:
+        PluginError: it has raised an error of any class. A package that calls ``sys.exit`` ends no program either.
+        KeyboardInterrupt: the user ends the program.
+    """
+    try:
+        return call()
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        from morse.core.reports.faults import summary, trace_of, user_frames
+
+        lines = [f" ({frame.filename}:{frame.lineno})" for frame in user_frames(trace_of(error))[-1:]]
+        raise PluginError("".join([summary(error), *lines])) from error
 
 
 def entry_points(group: str) -> tuple[EntryPoint, ...]:

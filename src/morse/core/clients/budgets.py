@@ -301,7 +301,7 @@ RAY = 16
 """Pixels that a ray counts as: a ray is cast, becomes a point, and is written in messages."""
 
 #: Hz; a measurement is made within a tick, whatever its rate, and others wait for the tick: a rare one may not be large
-_LEAST_RATE = 10.0
+LEAST_RATE = 10.0
 
 
 class Sensing(Protocol):
@@ -353,7 +353,7 @@ class SensingBudget:
         total = sum(map(self._extra, self._components()))
         if total > MOST_PIXELS:
             left = max(MOST_PIXELS - (total - asked), 0.0)
-            rule = f"a ray counts as {RAY} pixels, less than {_LEAST_RATE:g} measurements per second as {_LEAST_RATE:g}"
+            rule = f"a ray counts as {RAY} pixels, less than {LEAST_RATE:g} measurements per second as {LEAST_RATE:g}"
             raise MorseRPCInvokationError(
                 f"{who}: the budget for what clients set is {MOST_PIXELS:,} pixels per simulated second ({rule}): "
                 f"{asked:,.0f} are asked, {left:,.0f} are left; the scene script may set more"
@@ -368,6 +368,6 @@ def _rate(component: Sensing) -> float:
     """Pixels per simulated second of a component while it measures."""
     try:
         pixels = component.sensing_cost()
-        return pixels * min(max(component.frequency, _LEAST_RATE), component.clock.frequency) if pixels else 0.0
+        return pixels * min(max(component.frequency, LEAST_RATE), component.clock.frequency) if pixels else 0.0
     except Exception:  # code of a user, which cannot tell
         return 0.0

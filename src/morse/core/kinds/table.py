@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import logging
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
-from morse.core.classes.plugins import entry_points
+from morse.core.classes.plugins import PluginError, entry_points, load
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.kind import ORIENTATION, POINT, VECTOR, Kind, Slot
 from morse.core.reports.quoting import nearest, shown
@@ -182,17 +182,10 @@ def kinds_of_packages() -> dict[str, Kind]:
 @lru_cache(maxsize=64)
 def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     try:
-        entry = point.load()
-    except Exception as error:  # a broken package must not prevent loading the others
-        logger.warning(
-            "the message kinds of %s cannot be loaded: %s: %s",
-            point.value,
-            type(error).__name__,
-            error,
-            extra=OF_MACHINE,
-        )
+        kinds = load(point, _as_kinds)
+    except PluginError as error:  # a broken package must not prevent loading the others
+        logger.warning("the message kinds of %s cannot be loaded: %s", point.value, error, extra=OF_MACHINE)
         return ()
-    kinds = (entry,) if isinstance(entry, Kind) else tuple(entry) if isinstance(entry, (list, tuple)) else (entry,)
     good = tuple(kind for kind in kinds if _is_kind(kind))
     if len(good) < len(kinds):
         logger.warning(
@@ -201,7 +194,12 @@ def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     return good
 
 
-def _is_kind(kind: object) -> bool:
+def _as_kinds(entry: object) -> tuple[object, ...]:
+    # a kind is itself a tuple
+    return tuple(entry) if isinstance(entry, (list, tuple)) and not isinstance(entry, Kind) else (entry,)
+
+
+def _is_kind(kind: object) -> TypeGuard[Kind]:
     return (
         isinstance(kind, Kind)
         and isinstance(kind.name, str)

@@ -5,6 +5,7 @@ The error itself may be hostile: its methods may raise, or return any amount of 
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import traceback
 from pathlib import Path
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 _OURS = Path(morse.__file__).resolve().parent
+#: what imports the modules of users
+_IMPORTS = Path(importlib.__file__).resolve().parent
 #: largest number of characters of the message of an error, and of lines of user code that led to it
 _LONGEST, _MOST_LINES = 2000, 12
 #: what ends a program is not a fault of the part that raises it
@@ -35,7 +38,8 @@ def user_frames(trace: TracebackType | None) -> list[traceback.FrameSummary]:
 def is_users(filename: str) -> bool:
     """Whether a file does not belong to the simulator."""
     try:
-        return not Path(filename).resolve().is_relative_to(_OURS) and not filename.startswith("<frozen")
+        file = Path(filename).resolve()
+        return not (file.is_relative_to(_OURS) or file.is_relative_to(_IMPORTS) or filename.startswith("<frozen"))
     except (OSError, ValueError, RuntimeError):
         return True
 
