@@ -65,11 +65,68 @@ def test_in_the_frame_of_the_robot_the_place_does_not_matter(simulate):
     assert body(sim).worldLinearVelocity[0] == pytest.approx(0.5, abs=0.02)
 
 
-def test_wind_pushes_along_the_world_whatever_the_heading(simulate):
-    sim = load(simulate, "robot.rotate(0, 0, 2.0)\nwind = ExternalForce()\nrobot.append(wind)")
-    sim.robot.wind.publish({"force": [0.5, 0.25, 0.0]})
+#: in any attitude, the axes of the world are meant
+TURNS = {"level": (0.0, 0.0, 0.0), "heading": (0.0, 0.0, 2.0), "upside down": (3.0, 0.4, -1.0)}
+
+
+@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+@pytest.mark.parametrize("mass", [1.0, 4.0])
+def test_wind_accelerates_by_its_share_of_the_mass_along_the_axes_of_the_world(simulate, turn, mass):
+    more = f"robot.set_mass({mass})\nrobot.rotate{turn}\nwind = ExternalForce()\nwind.translate(0.3, -0.2, 0.5)"
+    sim = load(simulate, more + "\nwind.rotate(0, 0, 1.0)\nrobot.append(wind)")
+    sim.step(2)
+    start = body(sim).worldPosition[:]
+    force = (0.5, 0.25, -0.75)
+    sim.robot.wind.publish({"force": force})
     sim.step(60)
-    assert body(sim).worldLinearVelocity[:] == pytest.approx((0.5, 0.25, 0.0), abs=0.02)
+    # v = F t / m and s = F t^2 / 2 m, wherever the actuator is and however it is turned
+    assert body(sim).worldLinearVelocity[:] == pytest.approx([part / mass for part in force], rel=1e-6)
+    way = [b - a for a, b in zip(start, body(sim).worldPosition[:], strict=True)]
+    assert way == pytest.approx([part / mass / 2.0 for part in force], rel=0.01)
+    assert body(sim).worldAngularVelocity.length == pytest.approx(0.0, abs=1e-9)
+    sim.robot.wind.publish({"force": [0.0, 0.0, 0.0]})
+    sim.step(30)
+    assert body(sim).worldLinearVelocity[:] == pytest.approx([part / mass for part in force], rel=1e-6)
+
+
+def test_a_torque_of_the_surroundings_turns_about_the_axes_of_the_world(simulate):
+    sim = load(simulate, "robot.rotate(0, 0, 2.0)\nwind = ExternalForce()\nrobot.append(wind)")
+    inertia = body(sim).localInertia[2]
+    sim.robot.wind.publish({"torque": [0.0, 0.0, 0.1]})
+    sim.step(60)
+    assert body(sim).worldAngularVelocity[:] == pytest.approx((0.0, 0.0, 0.1 / inertia), rel=1e-3, abs=1e-3 / inertia)
+    assert body(sim).worldLinearVelocity.length == pytest.approx(0.0, abs=1e-6)
+
+
+def test_wind_on_a_point_is_its_force_and_the_torque_about_the_centre_of_mass(simulate):
+    """A force F at r does as F at the centre of mass with r x F, while the robot has hardly turned."""
+    point, force = (0.4, -0.3, 0.2), (0.02, 0.05, -0.03)
+    torque = [
+        point[1] * force[2] - point[2] * force[1],
+        point[2] * force[0] - point[0] * force[2],
+        point[0] * force[1] - point[1] * force[0],
+    ]
+    motions = []
+    for more, command in (
+        ("push = ExternalForce()", {"force": force, "torque": torque}),
+        (f"push = ForceTorque()\npush.translate{point}", {"force": force}),
+    ):
+        sim = load(simulate, more + "\nrobot.append(push)")
+        sim.robot.push.publish(command)
+        sim.step(12)
+        motions.append([*body(sim).worldLinearVelocity[:], *body(sim).worldAngularVelocity[:]])
+    assert max(map(abs, motions[0][3:])) > 1e-3
+    assert motions[0] == pytest.approx(motions[1], rel=0.02, abs=1e-4)
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.2])
+def test_wind_and_thrust_differ_by_the_axes(simulate, heading):
+    push = "push = ForceTorque()\npush.properties(RobotFrame=True)\nrobot.append(push)"
+    sim = load(simulate, f"robot.rotate(0, 0, {heading})\nwind = ExternalForce()\nrobot.append(wind)\n{push}")
+    sim.robot.wind.publish({"force": [-0.5 * math.cos(heading), -0.5 * math.sin(heading), 0.0]})
+    sim.robot.push.publish({"force": [0.5, 0.0, 0.0]})
+    sim.step(60)
+    assert body(sim).worldLinearVelocity.length == pytest.approx(0.0, abs=1e-6)
 
 
 def test_the_terminal_speed_of_drag_is_the_root_of_force_over_coefficient(simulate):

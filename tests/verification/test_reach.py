@@ -83,3 +83,20 @@ def test_a_robot_that_moves_in_all_directions_drives(reach, tmp_path) -> None:
 def test_without_folders_the_command_says_how_it_is_used(reach, capsys) -> None:
     assert reach.main([]) == 2
     assert "python -m tools reach FOLDER" in capsys.readouterr().err
+
+
+def test_the_other_engine_has_a_floor_as_well(reach, tmp_path) -> None:
+    """A file without a floor stands on that of the environment here: it would fall for ever in MuJoCo alone."""
+    path = tmp_path / "box.xml"
+    path.write_text(
+        '<mujoco><worldbody><body pos="0 0 0.1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    row = reach.measured("mjcf", path)
+    assert (row["rests"], row["rests_there"], reach.judged(row)["stands"]) == (True, True, True)
+
+
+def test_masses_are_not_compared_where_the_file_has_none(reach) -> None:
+    row = {"kind": "urdf", "loads": True, "joints": 6, "joints_here": 6, "places": 0.0, "collides": False}
+    assert reach.judged(row | {"mass": 6e-6, "mass_here": 0.8})["same"]
+    assert not reach.judged(row | {"mass": 0.5, "mass_here": 0.8})["same"]

@@ -43,12 +43,14 @@ _FLAT = 1e-8
 _MOST_PARTS, _FREE_PARTS = 16_384, 64
 #: shapes of a mesh that moves: each takes time while it touches others
 _MOST_MOVING = 32
+#: triangles of a mesh that are looked at first
+_FIRST = 16
 #: triangles of meshes that are shown with further scales, for each of which their parts are computed again
 _MOST_SCALED = 1_000_000
 #: shapes of a scene: the engine takes 0.1 ms and 2 kB for each
 _MOST_SHAPES = 50_000
 
-_Key = tuple[int, tuple[float, ...], Bounds | None, bool]
+_Key = tuple[int, tuple[float, ...], Bounds | None, bool, bool]
 
 _EARLIER = ShapeCache()
 
@@ -68,10 +70,11 @@ def warnings_of_shapes(scene: Scene) -> list[tuple[Node, str]]:
         ValueError: the scene has too many shapes, or too many scaled copies of large meshes.
     """
     resolving = _Resolving()
+    inverted = _inverted_floors([node for node in scene.nodes() if node.shapes is None])
     count = 0
     for node in scene.nodes():
         if node.shapes is None:
-            node.shapes = resolving.shapes_of(node)
+            node.shapes = resolving.shapes_of(node, is_inverted=id(node) in inverted)
         count += len(node.shapes)
         if count > _MOST_SHAPES:
             raise ValueError(
@@ -79,6 +82,46 @@ def warnings_of_shapes(scene: Scene) -> list[tuple[Node, str]]:
                 "give detailed ones a simple shape (bounds), or exclude them from collision"
             )
     return resolving.warnings
+
+
+def _inverted_floors(nodes: Sequence[Node]) -> set[int]:
+    """Return the ids of static meshes that only have triangles which face down, with nothing static below.
+
+    These are floors whose triangles run the wrong way round: plates, which lie behind triangles, would carry too high.
+    """
+    fixed = [
+        node for node in nodes if node.mesh is not None and node.body.type is PhysicsType.STATIC and not _moves(node)
+    ]
+    facing = [node for node in fixed if _faces_down(node)]
+    if not facing:
+        return set()
+    bottoms = {id(node): float(_world_vertices(node)[:, 2].min(initial=np.inf)) for node in fixed}
+    lowest = min(bottoms.values())
+    return {id(node) for node in facing if bottoms[id(node)] <= lowest + _LEAST}
+
+
+def _faces_down(node: Node) -> bool:
+    mesh = node.mesh
+    if mesh is None or not len(mesh.triangles):
+        return False
+    # the first triangles of most meshes decide
+    for triangles in (mesh.triangles[:_FIRST], mesh.triangles):
+        used, corners = np.unique(triangles, return_inverse=True)
+        a, b, c = np.moveaxis(_world_vertices(node, used)[corners.reshape(-1, 3)], 1, 0)
+        x, y = b - a, c - a
+        areas = x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]
+        if not (areas <= 0.0).all() or not (areas < 0.0).any():
+            return False
+    return True
+
+
+def _world_vertices(node: Node, used: NDArray[np.integer] | slice = slice(None)) -> NDArray[np.float64]:
+    """The vertices (N, 3) of a mesh in the world, m."""
+    assert node.mesh is not None
+    frame = rigid_frame(node)
+    points = matmul(np.asarray(node.mesh.vertices, dtype=np.float64)[used], np.array(frame.stretch).T)
+    turned: NDArray[np.float64] = matmul(points, np.array(frame.rotation).T) + np.array(frame.position)
+    return turned
 
 
 class _Resolving:
@@ -94,7 +137,7 @@ class _Resolving:
         self._contents: dict[int, bytes] = {}
         self._parts = self._scale_count = 0
 
-    def shapes_of(self, node: Node) -> list[CollisionShape]:
+    def shapes_of(self, node: Node, *, is_inverted: bool = False) -> list[CollisionShape]:
         if not (node.body.moves or node.body.type in _SOLID):
             return []
         if node.mesh is None:
@@ -102,11 +145,13 @@ class _Resolving:
         stretch = rigid_frame(node).stretch
         numbers = tuple(round(value, 9) for row in stretch for value in row)
         few = node.body.bounds is Bounds.DECOMPOSITION or (node.body.bounds is None and _moves(node))
-        key = (id(node.mesh), numbers, node.body.bounds, few)
+        key = (id(node.mesh), numbers, node.body.bounds, few, is_inverted)
         if key not in self._shapes_by_key:
             # further meshes are divided into few parts when there are very many already
             limit = _MOST_MOVING if few else min(DEFAULT_LIMIT, max(_MOST_PARTS - self._parts, _FREE_PARTS))
-            shapes, warnings = _shapes_of_mesh(self._content(node), node.mesh, numbers, node.body.bounds, limit)
+            shapes, warnings = _shapes_of_mesh(
+                self._content(node), node.mesh, numbers, node.body.bounds, limit, is_inverted=is_inverted
+            )
             self._shapes_by_key[key] = list(shapes)
             self._parts += max(len(shapes) - _FREE_PARTS, 0)
             self.warnings += [(node, f"'{node.name}': {text}") for text in warnings]
@@ -145,9 +190,16 @@ def _place(node: Node) -> str:
 
 
 def _shapes_of_mesh(
-    digest: bytes, mesh: Mesh, stretch: tuple[float, ...], bounds: Bounds | None, limit: int
+    digest: bytes,
+    mesh: Mesh,
+    stretch: tuple[float, ...],
+    bounds: Bounds | None,
+    limit: int,
+    *,
+    is_inverted: bool,
 ) -> tuple[tuple[CollisionShape, ...], tuple[str, ...]]:
-    """The shapes of a stretched mesh, in its rigid frame, and warnings."""
+    """The shapes of a stretched mesh, in its rigid frame, and warnings; an inverted one is turned inside out."""
+    digest += b"inverted" if is_inverted else b""
     # with another limit, a mesh has other shapes
     digest += b"" if limit == DEFAULT_LIMIT else limit.to_bytes(4, "big")
     key = digest + (coacd_version().encode() if bounds is Bounds.DECOMPOSITION else b""), stretch, bounds
@@ -156,7 +208,8 @@ def _shapes_of_mesh(
         simple = bounds in _FITTED
         shapes_and_warnings = None if simple else shape_files.get(key)
         if shapes_and_warnings is None:
-            parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds, limit)
+            triangles = mesh.triangles[:, ::-1] if is_inverted else mesh.triangles
+            parts, warnings = _parts(mesh.vertices, triangles, np.reshape(stretch, (3, 3)), bounds, limit)
             shapes_and_warnings = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
             if not simple:
                 shape_files.put(key, shapes_and_warnings)
@@ -175,15 +228,19 @@ def _without_mesh(node: Node) -> list[CollisionShape]:
 
 
 def _parts(
-    mesh: Mesh, stretch: NDArray[np.float64], bounds: Bounds | None, limit: int
+    points: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    stretch: NDArray[np.float64],
+    bounds: Bounds | None,
+    limit: int,
 ) -> tuple[Sequence[Primitive | ConvexPart], list[str]]:
-    vertices = matmul(np.asarray(mesh.vertices, dtype=np.float64), stretch.T)
-    if len(vertices) == 0 or len(mesh.triangles) == 0:
+    vertices = matmul(np.asarray(points, dtype=np.float64), stretch.T)
+    if len(vertices) == 0 or len(triangles) == 0:
         return [], []
     if bounds in _FITTED:
         return [fit_bounds(vertices, bounds)], []
     # mirroring flips the triangles
-    triangles = mesh.triangles if det(stretch) >= 0.0 else mesh.triangles[:, ::-1]
+    triangles = triangles if det(stretch) >= 0.0 else triangles[:, ::-1]
     if bounds is Bounds.CONVEX_HULL:
         return [detect_primitive(vertices, triangles) or _hull(vertices)], []
     if bounds is Bounds.DECOMPOSITION and coacd_version():
