@@ -22,6 +22,7 @@ ROWS = [
     ("core.clients.budgets", "LEAST_RATE", 10.0, "sizes of images", "less than 10 "),
     ("simulation.population", "_MOST_ROOTS", 20_000, "objects of a scene", "20,000"),
     ("core.validation.names", "LONGEST_NAME", 100, "names of what", "100 letters"),
+    ("builder.assembly.spawning", "_MOST_CALLS", 100, "calls that set up", "100,"),
     ("viewer.editor", "_MOST_CHANGES", 1000, "unsaved changes", "1,000"),
     ("services.state_services", "_MOST", 32, "saved states", "32"),
     ("services.time_services", "_MAX_ALARMS", 100_000, "sleeping calls", "100,000"),

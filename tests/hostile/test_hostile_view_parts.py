@@ -18,7 +18,7 @@ from morse.builder import ATRV, Environment, FakeRobot
 from morse.core.declarations import properties
 from morse.simulation.simulation import Simulation
 from morse.viewer import live_view, page_messages
-from morse.viewer.editor import Catalog
+from morse.viewer.catalog import Catalog
 from morse.viewer.hub import Hub, Wishes
 from morse.viewer.live_view import View
 from morse.viewer.page import MOST_WAITING, Page
@@ -93,7 +93,16 @@ def _example(kind: type[ViewEvent]) -> ViewEvent:
         "value": 1,
         "active": True,
     }
-    values |= {"component": "x", "name": "x", "service": "x", "node": "x", "model": "x", "write": False, "count": 1}
+    values |= {
+        "component": "x",
+        "name": "x",
+        "service": "x",
+        "node": "x",
+        "model": "x",
+        "write": False,
+        "count": 1,
+        "method": "x",
+    }
     values |= {"position": (0, 0, 0), "quaternion": (1, 0, 0, 0), "anchor": (0, 0, 0), "target": (0, 0, 0)}
     fields = kind.__struct_fields__
     return kind(**{name: values[name] for name in fields if name in values})

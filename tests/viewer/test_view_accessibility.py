@@ -46,7 +46,7 @@ def test_nothing_on_the_page_is_a_serious_barrier(
     width: int,
 ) -> None:
     server, url = served
-    server.send(SceneChanges(2, "atrv was added", ["robot.camera"], "scene.py"))
+    server.send(SceneChanges(2, "atrv was added", "", "scene.py"))
     server.send(Models([Model("ATRV", "ATRV", "robots"), Model("props/crates#crate", "crate", "crates")]))
     page = open_page(url, width=width, height=740, color_scheme=scheme)
     wait_until(

@@ -15,7 +15,7 @@ import morse
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
 from morse.simulation.simulation import Simulation
-from morse.viewer.editor import Catalog
+from morse.viewer.catalog import Catalog
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -33,6 +33,8 @@ env = Environment("empty")
 MODELS = [
     {"kind": "Morsy", "name": "Morsy", "group": "robots"},
     {"kind": "VideoCamera", "name": "VideoCamera", "group": "sensors"},
+    {"kind": "MotionVW", "name": "MotionVW", "group": "actuators"},
+    {"kind": "IMU", "name": "IMU", "group": "sensors"},
     {"kind": "props/crates#small_crate", "name": "small crate", "group": "crates"},
 ]
 
@@ -98,7 +100,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
 
 def test_a_scene_is_changed_and_saved_in_its_script(desk: Desk, tmp_path: Path) -> None:
     assert desk.do("add_model", model="props/crates#small_crate", position=[3, 1, 0], yaw=0.5) == "small_crate"
-    assert desk.do("add_model", model="VideoCamera", position=[0.2, 0, 1], robot="robot") == "video_camera"
+    assert desk.do("add_model", model="VideoCamera", position=[0.2, 0, 1], robot="robot") == "robot.video_camera"
     desk.do("teleport", node="robot", position=[2, 2, 0.1], quaternion=[1, 0, 0, 0])
     assert "small_crate" in desk.names()
     shown = desk.do("save_scene", write=False)
@@ -203,6 +205,152 @@ def test_robots_and_sensors_of_the_project_are_in_the_list(tmp_path: Path, monke
         assert "robot.my_sensor" in again.context.components
 
 
+def test_components_act_and_measure_at_once(desk: Desk, tmp_path: Path) -> None:
+    simulation = desk.simulation
+    simulation.step(30)
+    tick = simulation.ticks
+    assert desk.do("add_model", model="IMU", position=None, robot="robot") == "robot.imu"
+    assert desk.do("add_model", model="MotionVW", robot="robot") == "robot.motion_vw"
+    assert simulation.ticks < tick + 600  # time goes on
+    imu = simulation.scene.find("robot.imu")
+    assert imu is not None
+    assert imu.location[2] > 0.3  # on the robot, not in it
+    body = simulation.context.robots["robot"].bge_object
+    desk.do("command", component="robot.motion_vw", fields={"v": 1.0, "w": 0.0})
+    x = body.worldPosition.x
+    simulation.step(60)
+    assert body.worldPosition.x == pytest.approx(x + 1.0, abs=0.1)
+    assert simulation.robot.imu.get()["linear_acceleration"][2] == pytest.approx(9.81, abs=0.1)
+    desk.do("save_scene", write=True)
+    with morse.load(tmp_path / "scene.py") as again:
+        assert {*again.context.components} == {"robot.imu", "robot.motion_vw"}
+        there = again.scene.find("robot.imu")
+        assert there is not None
+        assert there.location == pytest.approx(imu.location)
+
+
+OWN = """from morse.builder import *
+
+robot = ATRV()
+pose = Pose()
+robot.append(pose)
+camera = VideoCamera()  # eye
+camera.translate(0.2, 0, 1)
+robot.append(camera)
+
+env = Environment("empty")
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
+    """The editor of a scene whose robot has components."""
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
+    script = tmp_path / "scene.py"
+    script.write_text(OWN)
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        yield desk
+
+
+def test_a_component_of_the_script_is_deleted_and_comes_back(own: Desk, tmp_path: Path) -> None:
+    own.do("delete_object", node="robot.camera")
+    assert {*own.simulation.context.components} == {"robot.pose"}
+    own.do("save_scene", write=True)
+    text = (tmp_path / "scene.py").read_text()
+    assert "camera" not in text
+    assert "robot.append(pose)\n" in text
+    assert own.do("undo_change") == "robot.camera was deleted"
+    camera = own.simulation.scene.find("robot.camera")
+    assert camera is not None
+    assert [*camera.location] == [0.2, 0.0, 1.0]
+    own.do("save_scene", write=True)
+    assert (tmp_path / "scene.py").read_text() == OWN
+    assert own.do("redo_change") == "robot.camera was deleted"
+    assert {*own.simulation.context.components} == {"robot.pose"}
+
+
+def test_components_of_a_loop_are_deleted_by_name(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(LOOP)
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.do("delete_object", node="robot_001.pose")
+        desk.do("save_scene", write=True)
+    with morse.load(script) as again:
+        assert {*again.context.components} == {"robot.pose", "robot_002.pose"}
+
+
+def test_settings_take_effect_and_are_written(own: Desk, tmp_path: Path) -> None:
+    components = own.simulation.context.components
+    own.do("set_property", component="robot.camera", name="cam_width", value=64)
+    own.do("configure", component="robot.pose", method="frequency", values={"": 20.0})
+    own.do("configure", component="robot.pose", method="alter", values={"": "Noise", "pos_std": 0.5})
+    own.do("configure", component="robot.pose", method="add_stream", values={"": "socket"})
+    assert components["robot.pose"].frequency == 20.0
+    own.simulation.step(30)
+    true = own.simulation.context.robots["robot"].bge_object.worldPosition
+    assert abs(own.simulation.robot.pose.get()["x"] - true.x) > 1e-4
+    assert components["robot.camera"].image_width == 64
+    shown = own.do("save_scene", write=True)["difference"].splitlines()
+    added = [line[1:] for line in shown if line.startswith("+")]
+    assert added == [
+        "pose.frequency(20.0)",
+        "pose.alter('Noise', pos_std=0.5)",
+        "pose.add_stream('socket')",
+        "camera.properties(cam_width=64)",
+    ]
+    with morse.load(tmp_path / "scene.py") as again:
+        assert again.context.components["robot.pose"].frequency == 20.0
+        assert len(again.context.components["robot.pose"].output_modifiers) == 1
+        assert again.context.components["robot.camera"].image_width == 64
+    own.simulation.restart()
+    own.simulation.step(2)
+    assert own.simulation.context.components["robot.pose"].frequency == 20.0
+    own.do("configure", component="robot.pose", method="alter", values={"": "Noise"}, remove=True)
+    assert own.simulation.context.components["robot.pose"].output_modifiers == []
+    for _ in range(4):
+        own.do("undo_change")
+    assert own.simulation.context.components["robot.pose"].frequency != 20.0
+    own.do("undo_change")
+    assert own.simulation.context.components["robot.camera"].image_width == 256
+    assert (tmp_path / "scene.py").read_text().count("pose.") == 3
+    own.do("save_scene", write=True)
+    assert (tmp_path / "scene.py").read_text() == OWN
+
+
+def test_a_robot_is_duplicated_with_its_components_and_settings(desk: Desk, tmp_path: Path) -> None:
+    desk.do("add_model", model="Morsy", position=[3, 1, 0])
+    desk.do("add_model", model="IMU", robot="morsy")
+    desk.do("configure", component="morsy.imu", method="frequency", values={"": 10.0})
+    twin = desk.do("duplicate_object", node="morsy")
+    parts = [name for name in desk.simulation.context.components if name.startswith(f"{twin}.")]
+    assert [desk.simulation.context.components[name].frequency for name in parts] == [10.0]
+    desk.simulation.step(60)
+    a, b = (desk.simulation.context.robots[name].bge_object.worldPosition for name in ("morsy", twin))
+    assert abs(a.y - b.y) > 0.5
+    desk.do("save_scene", write=True)
+    with morse.load(tmp_path / "scene.py") as again:
+        assert {*again.context.components} == {*desk.simulation.context.components}
+    desk.do("undo_change")
+    assert {*desk.simulation.context.robots} == {"robot", "morsy"}
+    desk.do("redo_change")
+    assert {*desk.simulation.context.robots} == {"robot", "morsy", twin}
+    assert parts[0] in desk.simulation.context.components
+
+
+def test_a_deleted_robot_comes_back_with_what_was_added_and_set(desk: Desk) -> None:
+    desk.do("add_model", model="IMU", robot="robot")
+    desk.do("configure", component="robot.imu", method="frequency", values={"": 10.0})
+    desk.do("delete_object", node="robot")
+    assert not desk.simulation.context.components
+    desk.do("undo_change")
+    assert desk.simulation.context.components["robot.imu"].frequency == 10.0
+
+
 def test_every_change_is_undone(desk: Desk) -> None:
     before = desk.names()
     place = [*desk.simulation.scene.find("robot").location]
@@ -236,14 +384,39 @@ def test_changes_outlast_a_restart(desk: Desk) -> None:
     ("kind", "fields", "why"),
     [
         ("add_model", {"model": "/etc/passwd", "position": [0, 0, 0]}, "no model"),
-        ("add_model", {"model": "VideoCamera", "position": [0, 0, 0]}, "drop a sensor on a robot"),
+        ("add_model", {"model": "VideoCamera", "position": [0, 0, 0]}, "drop a sensor or an actuator on a robot"),
         ("delete_object", {"node": "nothing"}, "no object 'nothing'"),
+        ("redo_change", {}, "no change to make again"),
+        ("add_model", {"model": "IMU", "position": None, "robot": "env"}, "on a robot"),
+        ("duplicate_object", {"node": "robot"}, "copy its lines in the script"),
+        (
+            "configure",
+            {"component": "robot", "method": "frequency", "values": {"": 10}},
+            "no sensor or actuator 'robot'",
+        ),
+        ("configure", {"component": "robot.imu", "method": "frequency", "values": {"": -1}}, "frequency"),
+        ("configure", {"component": "robot.imu", "method": "frequency", "values": {"": "\n"}}, "frequency"),
+        ("configure", {"component": "robot.imu", "method": "alter", "values": {"": "os.system"}}, "installed"),
+        ("configure", {"component": "robot.imu", "method": "alter", "values": {"classpath": "os.system"}}, "installed"),
+        ("configure", {"component": "robot.imu", "method": "add_stream", "values": {"": "x" * 500}}, "no middleware"),
+        ("configure", {"component": "robot.imu", "method": "exec", "values": {"": "1"}}, "no setting"),
+        ("configure", {"component": "robot.imu", "method": "level", "values": {"a b": "1"}}, "no name of an argument"),
+        ("configure", {"component": "robot.imu", "method": "noise", "values": {"gaussian": "x"}}, "number"),
+        ("configure", {"component": "robot.imu", "method": "delay", "values": {}, "remove": True}, "was not set"),
     ],
 )
-def test_impossible_changes_are_refused(desk: Desk, kind: str, fields: dict[str, Any], why: str) -> None:
+def test_impossible_changes_are_refused(
+    desk: Desk, kind: str, fields: dict[str, Any], why: str, tmp_path: Path
+) -> None:
+    desk.do("add_model", model="IMU", robot="robot")
     answer = desk.ask(kind, **fields)
     assert not answer["ok"]
     assert why in answer["error"]
+    # nothing has changed: the component is there as before
+    assert {*desk.simulation.context.components} == {"robot.imu"}
+    desk.do("undo_change")
+    assert not desk.simulation.context.components
+    assert desk.do("save_scene", write=False)["difference"] == ""
 
 
 def test_pages_from_elsewhere_cannot_edit(desk: Desk, tmp_path: Path) -> None:

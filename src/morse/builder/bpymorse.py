@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from morse.assets.search import worlds_with
 from morse.builder import compatibility, workspace
+from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.errors import checks
 from morse.builder.objects import NamedList, SceneObject, checked_property
-from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
+from morse.core.exceptions import MorseBuilderNoComponentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -75,11 +76,10 @@ def get_context_object() -> SceneObject | None:
 def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
     """Remove objects, given as objects or by name, from the scene; their children are kept.
 
-    A robot or an object of the script goes with everything on it.
+    A robot, a component or an object of the script goes with everything on it.
 
     Raises:
         MorseBuilderNoComponentError: there is no object of such a name.
-        MorseBuilderError: it is the body of a component on a robot.
     """
     scene = workspace.current()
     items = [objects] if isinstance(objects, (SceneObject, str)) else list(objects)
@@ -89,16 +89,14 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
         for item in items
     ]
     for node in nodes:
-        part = bodies.get(node)
-        if part is not None and node.parent is not None and not any(above in nodes for above in node.ancestors()):
-            raise MorseBuilderError(f"'{node.name}' is the body of a {type(part).__name__}: it cannot be deleted")
-    for node in nodes:
         if scene.find(node.name) is not node:
             continue  # gone with a robot
         part = bodies.get(node)
         if part is None:
             scene.delete(node)
             continue
+        if isinstance(part, AbstractComponent) and part.parent is not None:
+            part.parent.children.remove(part)
         below = list(node.walk())
         scene.components[:] = [one for one in scene.components if one.scene_node not in below]
         for one in reversed(below):

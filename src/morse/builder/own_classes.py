@@ -1,4 +1,4 @@
-"""Robots and sensors that a project defines for its scene scripts, as ``morse add`` writes them."""
+"""Robots, sensors and actuators that a project defines for its scene scripts, as ``morse add`` writes them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-_FOLDERS = ("robots", "sensors")
+_FOLDERS = ("robots", "sensors", "actuators")
 
 
 def own_classes(sources: Iterable[str]) -> list[tuple[str, str]]:

@@ -10,5 +10,5 @@ def is_description(kind: str) -> bool:
     return kind.lstrip()[:1] == "<"
 
 
-#: package, folder and name of a robot or a sensor that a project defines, e.g. ``ranger_sim.builder.robots:Ranger``
-OWN_CLASS = re.compile(r"([A-Za-z_]\w*)\.builder\.(robots|sensors):([A-Za-z_]\w*)")
+#: package, folder and name of a robot or a component that a project defines, e.g. ``ranger_sim.builder.robots:Ranger``
+OWN_CLASS = re.compile(r"([A-Za-z_]\w*)\.builder\.(robots|sensors|actuators):([A-Za-z_]\w*)")

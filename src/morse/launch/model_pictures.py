@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import inspect
 import io
 import json
 import math
@@ -22,8 +23,12 @@ import numpy as np
 
 from morse.assets import find, load, search
 from morse.assets.cache import Cache
+from morse.builder.components.robot import Robot
+from morse.builder.creator import ComponentCreator
+from morse.builder.names import catalog
 from morse.builder.own_classes import own_classes
 from morse.core.classes.project_imports import ProjectImports
+from morse.core.declarations import data_fields, kinds
 from morse.core.reports.printing import echo
 from morse.scene.extent import visible_extent
 from morse.system.workers import own_output
@@ -31,6 +36,7 @@ from morse.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
+
 
 SIZE = (144, 108)
 #: m between two models of one scene
@@ -40,11 +46,51 @@ _TOGETHER = 12
 #: direction from which models are seen, and the Euler angles of a camera that looks along it
 _FROM = (0.75, -0.95, 0.6)
 _ROTATION = (math.acos(_FROM[2] / math.hypot(*_FROM)), 0.0, math.atan2(_FROM[0], -_FROM[1]))
-_NO_SENSORS = ("SensorCreator", "CompoundSensor")
+_ON_ROBOTS = ("sensors", "actuators")
 #: m; larger parts of worlds are grounds and buildings
 _LARGEST_PART = 5.0
 #: names that a program gave, such as v1.node10.visual, say nothing to people; Door.L does
 _NO_WORDS = re.compile(r"\.(?![LMR]$)|^origin$", re.IGNORECASE)
+#: what people say for words of descriptions
+_SYNONYMS = {
+    "drive": "wheels wheel move motion steer speed velocity go",
+    "laser": "lidar scanner range scan distance obstacle",
+    "ray": "lidar distance obstacle",
+    "distance": "range sonar obstacle proximity",
+    "camera": "eye see image picture photo video vision",
+    "image": "camera eye picture",
+    "pose": "position location place localization ground truth",
+    "position": "location place where",
+    "imu": "inertial acceleration gyroscope orientation",
+    "accelerometer": "acceleration inertial",
+    "gyroscope": "angle orientation heading tilt",
+    "magnetometer": "compass heading north",
+    "barometer": "pressure altitude height",
+    "armature": "arm manipulator joint robot-arm",
+    "arm": "manipulator joint",
+    "gripper": "hand grasp pick hold claw",
+    "collision": "touch bump contact",
+    "bumper": "touch contact collision",
+    "keyboard": "keys arrows drive teleop wasd",
+    "gamepad": "joystick drive teleop controller",
+    "quadrotor": "drone uav copter multirotor fly flying",
+    "rotorcraft": "drone uav quadrotor helicopter fly",
+    "helicopter": "uav fly rotorcraft",
+    "submarine": "underwater auv rov boat",
+    "person": "human people pedestrian man",
+    "lamp": "light headlight torch",
+    "lights": "led lamp",
+    "loudspeaker": "sound speaker audio noise",
+    "temperature": "heat thermal thermometer",
+    "battery": "energy charge power",
+    "waypoint": "navigate goal target path",
+    "destination": "navigate goal target",
+    "path": "trajectory route",
+    "gps": "satellite gnss latitude longitude",
+    "odometry": "encoder ticks travelled distance",
+    "encoders": "odometry wheel ticks",
+    "vehicle": "car truck jeep",
+}
 _cache = Cache("pictures", 2000)
 
 
@@ -54,28 +100,35 @@ class Model(NamedTuple):
     Attributes:
         kind: as for the service ``spawn``, or the name of a sensor class.
         name: for people.
-        group: ``robots``, ``sensors``, or the name of the file.
+        group: ``robots``, ``sensors``, ``actuators``, or the name of the file.
+        doc: what it is, in a sentence.
+        words: more words by which people look for it.
     """
 
     kind: str
     name: str
     group: str
+    doc: str = ""
+    words: str = ""
 
 
 def models(sources: Sequence[str] = ()) -> list[Model]:
-    """All robots, sensors and objects of models, those of the project included.
+    """All robots, components and objects of models, those of the project included.
 
     Args:
         sources: folders of packages of the project.
     """
-    from morse.builder import robots, sensors
-    from morse.builder.components.robot import Robot
+    from morse import builder
 
     own = own_classes(sources)
-    items = [Model(kind, name, "robots") for kind, name in own if kind.rpartition(":")[0].endswith("robots")]
-    items += [Model(name, name, "robots") for name in robots.__all__ if _is_model(getattr(robots, name), Robot)]
-    items += [Model(kind, name, "sensors") for kind, name in own if kind.rpartition(":")[0].endswith("sensors")]
-    items += [Model(name, name, "sensors") for name in sensors.__all__ if name not in _NO_SENSORS]
+    items: list[Model] = []
+    for group in ("robots", *_ON_ROBOTS):
+        described = catalog.components(f"morse.{group}")
+        items += [Model(kind, name, group) for kind, name in own if kind.rpartition(":")[0].endswith(f".{group}")]
+        for name in getattr(builder, group).__all__:
+            cls = getattr(builder, name)
+            if _is_component(cls, group):
+                items.append(Model(name, name, group, *_described(cls, described.get(name))))
     for name in search.available("props"):
         items += _objects(name, "props")
     labels = {item.name for item in items}
@@ -108,17 +161,38 @@ def _objects(name: str, category: str) -> Iterator[Model]:
         yield Model(f"{name}#{root.name}", label.replace("_", " "), path.stem.replace("_", " "))
 
 
-def _is_model(cls: object, base: type) -> bool:
-    return isinstance(cls, type) and issubclass(cls, base) and cls.__name__ != "FakeRobot"
+def _is_component(cls: object, group: str) -> bool:
+    """Whether a name of the builder is a robot or a component that can be added as it is."""
+    if not isinstance(cls, type) or cls.__name__ == "FakeRobot":
+        return False
+    if group == "robots":
+        return issubclass(cls, Robot)
+    needed = (p for p in inspect.signature(cls).parameters.values() if p.kind < p.VAR_POSITIONAL)
+    is_complete = all(p.default is not p.empty for p in needed)
+    return issubclass(cls, ComponentCreator) and cls._classpath is not None and is_complete
+
+
+def _described(cls: type[Robot | ComponentCreator], entry: catalog.Entry | None) -> tuple[str, str]:
+    """What a robot or a component is, in a sentence, and the words of its declaration and their synonyms."""
+    doc = (inspect.getdoc(cls) or "").partition("\n")[0] if entry is None else entry.doc
+    classpath = cls._classpath if entry is None else entry.classpath
+    component = catalog.load_class(str(classpath))
+    fields = [f"{name} {field.doc}" for name, field in data_fields(component).items() if name != "timestamp"]
+    kinds_of_messages = [one.kind.replace("_", " ") for one in kinds(component)]
+    base = "drive " if getattr(component, "commands_speed", False) else ""
+    text = f"{base}{' '.join(kinds_of_messages)} {' '.join(fields)}"
+    own = set(re.findall("[a-z]+", f"{text} {doc} {cls.__name__}".lower()))
+    own |= {word.lower() for word in re.findall("[A-Z][a-z]+", cls.__name__)}
+    return doc, " ".join([text, *(words for word, words in _SYNONYMS.items() if word in own)])
 
 
 def _part(model: Model) -> Any:
-    """What is drawn of a model; a sensor is on a robot without a body."""
+    """What is drawn of a model; a component is on a robot without a body."""
     from morse.builder import FakeRobot
     from morse.builder.assembly.spawning import component_of
 
     part = component_of(model.kind)
-    if model.group != "sensors":
+    if model.group not in _ON_ROBOTS:
         return part
     robot = FakeRobot()
     robot.append(part)
@@ -143,8 +217,8 @@ def drawn(several: list[Model]) -> Iterator[tuple[Model, bytes]]:
         for number, model in enumerate(several):
             part = _part(model)
             part.name = f"model{number}"
-            # sensors reach below the origins of their robots: above the ground
-            part.translate(number * _SPACING, 0.0, 2.0 if model.group == "sensors" else 0.0)
+            # components reach below the origins of their robots: above the ground
+            part.translate(number * _SPACING, 0.0, 2.0 if model.group in _ON_ROBOTS else 0.0)
             parts.append((model, part.scene_node))
         Environment("empty").properties(longitude=0.0, latitude=0.0, altitude=0.0)
 

@@ -140,9 +140,14 @@ class World(RayWorld):
 
     # -- adding and removing ---------------------------------------------------------------
 
-    def add(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration] = ()) -> list[GameObject]:
+    def add(
+        self,
+        roots: Sequence[Node],
+        components: Sequence[ComponentDeclaration] = (),
+        carrier: Node | None = None,
+    ) -> list[GameObject]:
         """See `morse.core.world.World.add`."""
-        self._change(lambda change: change.add(roots, components))
+        self._change(lambda change: change.add(roots, components, carrier))
         return [self._objects[node] for root in roots for node in root.walk()]
 
     def remove(self, objects: Sequence[Posed]) -> None:

@@ -61,29 +61,32 @@ class PopulationServices(AbstractObject):
 
     @service(changes=False)  # the simulation records the call itself
     def spawn(self, name: str, kind: str, position: Point | None = None, orientation: EulerAngles | None = None) -> str:
-        """Spawn a robot or an object in the scene.
+        """Spawn a robot or an object in the scene, or a component of a robot.
 
         Models are read from the folders of the project, of ``MORSE_RESOURCE_PATH`` and of MORSE, and from the folder in
         which the simulation was started.
 
         Args:
             name: name of the new object: letters (a to z), digits and ``_``; it must not exist in the simulation, nor
-                be reserved, such as ``simulation``.
+                be reserved, such as ``simulation``; for a component, the name of its robot, a dot, and such a name:
+                ``robot.camera``.
             kind: name of a robot in scene scripts, e.g. ``ATRV``, of a robot of the project, e.g.
                 ``ranger_sim.builder.robots:Ranger``, of a model, e.g. ``props/crates``, or of an object of a model,
                 e.g. ``props/crates#small_crate``; or the text of a robot in URDF, SDF or MJCF: it has the sensors and
-                the drive of the text.
-            position: x, y, z in the world, m; the origin if it is not given.
+                the drive of the text. For a component, a class of scene scripts, e.g. ``VideoCamera``, which lines with
+                calls may follow: ``frequency(10)``, ``alter('Noise')``.
+            position: x, y, z in the world, m; for a component, in the frame of the robot; the origin if not given.
             orientation: roll, pitch, yaw, rad.
         """
-        if not is_description(kind) and not OWN_CLASS.fullmatch(kind):
-            check_model(kind, self._folders())
+        own = kind if is_description(kind) else kind.partition("\n")[0]
+        if not is_description(kind) and not OWN_CLASS.fullmatch(own):
+            check_model(own, self._folders())
         self._attempt(lambda: self._simulation.spawn(name, kind, position or [0.0] * 3, orientation or [0.0] * 3))
         return name
 
     @service(changes=False)  # the simulation records the call itself
     def delete(self, name: str) -> None:
-        """Delete a robot or an object with all its parts."""
+        """Delete a robot, an object or a component with all its parts."""
         self._attempt(lambda: self._simulation.delete(name))
 
     @service(changes=False)

@@ -151,10 +151,12 @@ def load_components(
     # a constructor may keep a reference to the data of a sensor that was created before
     with Unclaimed() as leftovers:
         for declaration in declarations:
-            if declaration.kind in ("robot", "external_robot") or declaration.robot not in by_node:
+            # a component may come later than its robot
+            carrier = by_node.get(declaration.robot) or context.robots.get(declaration.robot.name)
+            if declaration.kind in ("robot", "external_robot") or not isinstance(carrier, Robot):
                 continue
             try:
-                component = make_component(context, declaration, by_node[declaration.robot])
+                component = make_component(context, declaration, carrier)
             except LoadError as error:
                 if not declaration.is_optional:
                     raise

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
 from morse.assets.collision import resolve_shapes
 from morse.assets.formats import suffixes
 from morse.assets.search import available, project_dirs
-from morse.builder.assembly.spawning import Newcomer, describe_newcomer, maker_of
+from morse.builder.assembly.spawning import (
+    Newcomer,
+    component_again,
+    component_of,
+    describe_component,
+    describe_newcomer,
+    maker_of,
+    split_kind,
+)
 from morse.builder.names import catalog
 from morse.builder.script import describing
 from morse.core.context import acting
@@ -30,6 +38,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.overlay import MorseOverlay
     from morse.core.world import Body
+    from morse.physics.state.scene_change import SceneChange
     from morse.scene import ComponentDeclaration, Node, Zone
     from morse.simulation.simulation import Simulation
 
@@ -62,6 +71,19 @@ class Recipe(NamedTuple):
         return same and (self.position, self.rotation) == (other.position, other.rotation)
 
 
+class Absentee(NamedTuple):
+    """A component of the launch that was deleted.
+
+    Attributes:
+        parent: the name of the parent of its node.
+        pixels: what the budget of sensing allows for it.
+    """
+
+    node: Node
+    parent: str
+    pixels: float
+
+
 class Population:
     """The present robots and objects of a simulation, and those at its launch.
 
@@ -79,6 +101,10 @@ class Population:
             list(scene.zones),
         )
         self._recipes: dict[str, Recipe] = {}
+        self._absentees: dict[str, Absentee] = {}
+        parents = {d.node.parent for d in scene.components if d.node.parent is not None}
+        #: the children of what carries components, at the launch
+        self._children = {parent.name: [child.name for child in parent.children] for parent in parents}
         self.check_kind: Callable[[str], object] = _accept
         self._kinds: dict[str, str] = {}
 
@@ -87,12 +113,20 @@ class Population:
     def check(self, name: object, kind: object, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Check what is to be spawned, whoever asks: a program, a client, a page, a saved state or a recording.
 
+        A name with a dot, such as ``robot.camera``, is that of a component of a robot.
+
         Raises:
             MorseBuilderError: the name is invalid, reserved or that of something else, the kind is neither a name nor a
                 function, the pose is invalid, or there are too many objects.
         """
         scene = self._simulation.scene
-        check_name(name, self._addressed())
+        robot = self._robot_of(name)
+        if robot is None:
+            check_name(name, self._addressed())
+        else:
+            assert isinstance(name, str)
+            own = (one.rpartition(".") for one in self._addressed())
+            check_name(name.rpartition(".")[2], [word for owner, _, word in own if owner == robot.name])
         assert isinstance(name, str)
         if scene.find(name) is not None:
             raise MorseBuilderError(f"there is already an object '{short(name)}' in the scene")
@@ -103,8 +137,22 @@ class Population:
         for what, numbers in (("position", position), ("rotation", rotation)):
             if len(numbers) != 3 or not all(isinstance(n, (int, float)) and math.isfinite(n) for n in numbers):
                 raise MorseBuilderError(f"the {what} of '{name}' is 3 numbers, not {shown(numbers)}")
-        if len(scene.roots) >= _MOST_ROOTS:
+        if len(scene.roots) + sum("." in one for one in self._recipes) >= _MOST_ROOTS:
             raise MorseBuilderError(f"a scene has at most {_MOST_ROOTS} objects: delete some before you add others")
+
+    def _robot_of(self, name: object) -> Node | None:
+        """The robot of which a name is that of a component; None for the name of an object.
+
+        Raises:
+            MorseBuilderError: there is no such robot.
+        """
+        owner, dot, _ = name.rpartition(".") if isinstance(name, str) else ("", "", "")
+        if not dot:
+            return None
+        robots = self._simulation.context.robots
+        if owner not in robots:
+            raise MorseBuilderError(f"there is no robot '{short(owner)}'{nearest(owner, list(robots))}")
+        return robots[owner].bge_object.node
 
     def _addressed(self) -> set[str]:
         """The names that clients can address."""
@@ -119,25 +167,31 @@ class Population:
         position: Sequence[float],
         rotation: Sequence[float],
     ) -> None:
-        """Spawn a robot or an object.
+        """Spawn a robot or an object, or a component of a robot at a pose in the frame of the robot.
 
         Raises:
             MorseBuilderError: see `check`; or there is no such kind.
-            LoadError: a component of the robot cannot be created.
+            LoadError: a component cannot be created.
             ValueError: the engine refuses the shape of the object.
         """
         self.check(name, kind, position, rotation)
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
+        robot = self._robot_of(name)
         newcomer = self._describe(name, kind, position, rotation)
+        if robot is not None:
+            for declaration in newcomer.components:
+                declaration.robot = robot
         part = Scene(roots=newcomer.roots, components=newcomer.components, settings=scene.settings)
         resolve_shapes(part)
         before = context.world.get_state()
-        context.world.add(newcomer.roots, newcomer.components)
+        context.world.add(newcomer.roots, newcomer.components, robot)
         try:
             with acting(context), scene.project:
                 # names may come from clients, functions are code of the program
                 parts = load_components(context, newcomer.components, by_client=isinstance(kind, str))
+                if name in self._absentees and name in context.components:
+                    context.sensing.allow(context.components[name], self._absentees[name].pixels)
                 context.sensing.check(name, [*parts.sensors, *parts.actuators])
                 connect(context, parts, newcomer.components)
         except BaseException:
@@ -162,16 +216,32 @@ class Population:
             self.check_kind(kind)
         interfaces = ["socket", *scene.interfaces] if simulation.context.network is not None else []
         nearby = [] if isinstance(kind, str) else scene.nearby_paths
+        own, calls = split_kind(kind) if isinstance(kind, str) else ("", [])
         with scene.project, describing([*scene.resource_paths, *nearby]):
-            make = maker_of(kind) if isinstance(kind, str) else kind
             try:
-                newcomer = describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
+                if "." in name:
+                    make = self._component_maker(name, own) if isinstance(kind, str) else kind
+                    newcomer = describe_component(name, make, calls, position, rotation, scene.nodes(), interfaces)
+                else:
+                    make = maker_of(kind) if isinstance(kind, str) else kind
+                    newcomer = describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
             except (OSError, SyntaxError) as error:
                 raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
         if isinstance(kind, str):
             for declaration in newcomer.components:
                 check_component_name(declaration.name, name)
         return newcomer
+
+    def _component_maker(self, name: str, kind: str) -> Callable[[], object]:
+        """The function that creates a component; without a kind, one like that of the launch, which was deleted."""
+        if kind:
+            return partial(component_of, kind)
+        nodes = {*self._absentees[name].node.walk()} if name in self._absentees else set()
+        declarations = [d for d in self._launch[1] if d.node in nodes]
+        if len(declarations) != 1:
+            reason = "consists of several components" if declarations else "was not deleted, or was not there"
+            raise MorseBuilderError(f"'{short(name)}' cannot come again: it {reason}")
+        return partial(component_again, declarations[0])
 
     def kinds(self) -> dict[str, str]:
         """The robots and models that can be spawned by name, with a sentence about each; read once."""
@@ -210,13 +280,18 @@ class Population:
         self._forget(declarations, returns=True)
         context.world.renew(roots)
         with acting(context), scene.project:
-            recipe = self._recipes.get(name)
-            by_client = recipe is not None and isinstance(recipe.kind, str)
-            parts = load_components(context, declarations, by_client=by_client)
+            parts = load_components(context, declarations, by_client=True)
+            own = [one for one in (*parts.sensors, *parts.actuators) if not self._is_of_client(one.name())]
+            context.sensing.grant(own)
             connect(context, parts, declarations)
         self._simulation.loaded.join(parts)
         self._sort_components(scene.components)
         self._changed()
+
+    def _is_of_client(self, name: str) -> bool:
+        """Whether a client, and not the script or a function of the program, chose a component."""
+        recipes = [recipe for one, recipe in self._recipes.items() if name == one or name.startswith(f"{one}.")]
+        return any(isinstance(recipe.kind, str) for recipe in recipes)
 
     # -- deletion --------------------------------------------------------------------------
 
@@ -234,6 +309,10 @@ class Population:
         if obj is None:
             raise MorseBuilderError(f"there is no object '{short(name)}'{nearest(name, list(objects))}")
         if obj.node.parent is not None:
+            declared = {d.node: d for d in self._simulation.scene.components}.get(obj.node)
+            is_whole = name in self._recipes or not any(name.startswith(f"{one}.") for one in self._recipes)
+            if declared is not None and declared.kind in ("sensor", "actuator") and is_whole:
+                return [obj], {*obj.node.walk()}
             top = obj.node
             while top.parent is not None:
                 top = top.parent
@@ -247,15 +326,25 @@ class Population:
         return roots, {node for root in roots for node in root.node.walk()}
 
     def delete(self, name: str) -> None:
-        """Delete a robot or an object with all its parts.
+        """Delete a robot, an object or a component with all its parts.
 
         Raises:
             MorseBuilderError: there is no object of that name, or it is a part of another object.
         """
         simulation = self._simulation
         roots, nodes = self._whole(name)
+        for component in [one for one in self._recipes if one.startswith(f"{name}.")]:
+            self.delete(component)
+        node = roots[0].node
+        absentee = None
+        if node.parent is not None and name not in self._recipes:
+            here = simulation.context.components.get(name)
+            pixels = 0.0 if here is None else simulation.context.sensing.allowance(here)
+            absentee = Absentee(node, node.parent.name, pixels)
         self._forget(self._declared(nodes))
         simulation.context.world.remove(roots)
+        if absentee is not None:
+            self._absentees[name] = absentee
         if self._recipes.pop(name, None) is not None:
             # objects of the launch can be restored
             models = simulation.scene.models
@@ -303,7 +392,8 @@ class Population:
     @property
     def has_changed(self) -> bool:
         """Whether objects were spawned or deleted since the launch."""
-        return self._simulation.scene.roots != self._launch[0]
+        components = self._absentees or any("." in name for name in self._recipes)
+        return bool(components) or self._simulation.scene.roots != self._launch[0]
 
     def go_back(self) -> None:
         """Restore the objects of the launch; components are recreated afterwards."""
@@ -312,12 +402,46 @@ class Population:
         simulation = self._simulation
         at_launch = {id(declaration) for declaration in self._launch[1]}
         self._forget([d for d in simulation.scene.components if id(d) not in at_launch])
-        simulation.context.world.arrange(*self._launch)
+        self._arrange(self._absentees, self._launch, [name for name in self._recipes if "." in name])
         present = set(simulation.scene.nodes())
         models = simulation.scene.models
         models[:] = [use for use in models if any(node in present for node in use.nodes.values())]
         self._recipes.clear()
         simulation.components_changed()
+
+    def _arrange(
+        self,
+        returning: Collection[str],
+        arrangement: tuple[list[Node], list[ComponentDeclaration], list[Zone]],
+        leaving: Collection[str] = (),
+    ) -> None:
+        """Set the nodes and the components of the world.
+
+        Args:
+            returning: components of the launch that were deleted, by name.
+            arrangement: roots, components and zones.
+            leaving: spawned components, which go.
+        """
+        scene = self._simulation.scene
+        going = [node for node in scene.nodes() if node.name in leaving]
+
+        def rebuild(change: SceneChange) -> None:
+            change.remove(going)
+            nodes = {node.name: node for root in self._launch[0] for node in root.walk()}
+            for name in [name for name in self._absentees if name in returning]:
+                parent = nodes[self._absentees[name].parent]
+                change.attach(self._absentees[name].node, parent, self._place_of(name, parent.name, parent.children))
+            change.arrange(*arrangement)
+
+        self._simulation.world.rebuild(rebuild)
+        self._absentees = {name: one for name, one in self._absentees.items() if name not in returning}
+
+    def _place_of(self, name: str, parent: str, children: Sequence[Node]) -> int:
+        """The place of a returning component among the present children of its parent: as at the launch."""
+        order = self._children[parent]
+        later = {*order[order.index(name) + 1 :]}
+        places = (place for place, child in enumerate(children) if child.name in later or child.name not in order)
+        return next(places, len(children))
 
     def edited(self, pairs: Sequence[tuple[Node, Node]], come: Sequence[Node], removals: Sequence[Node]) -> None:
         """Update the launch after a model was edited, with the present nodes of the model."""
@@ -333,9 +457,14 @@ class Population:
         """Return the root objects of the launch."""
         return [root.name for root in self._launch[0]]
 
+    def components_at_launch(self) -> list[str]:
+        """Return the sensors and actuators of the launch."""
+        return [d.name for d in self._launch[1] if d.kind in ("sensor", "actuator")]
+
     def names_at_launch(self, without: Sequence[str]) -> list[str]:
         """Return the robots and components of the launch, except those of the objects in ``without``."""
-        absentees = {node for root in self._launch[0] if root.name in without for node in root.walk()}
+        declared = [d.node for d in self._launch[1]]
+        absentees = {node for top in (*self._launch[0], *declared) if top.name in without for node in top.walk()}
         return [d.name for d in self._launch[1] if d.node not in absentees and d.robot not in absentees]
 
     def makers(self) -> dict[str, Callable[[], object]]:
@@ -358,13 +487,37 @@ class Population:
     def scene_at_launch(self) -> Scene:
         """Return the scene with the objects of the launch."""
         roots, components, zones = self._launch
-        return replace(self._simulation.scene, roots=roots, components=components, zones=zones)
+        scene = replace(self._simulation.scene, roots=roots, components=components, zones=zones)
+        return self._without_changes(scene) if self._absentees or any("." in name for name in self._recipes) else scene
+
+    def _without_changes(self, scene: Scene) -> Scene:
+        """A copy of a scene of the launch, whose robots have the components of the launch."""
+        copies: dict[Node, Node] = {}
+
+        def copied(node: Node) -> Node:
+            copy = copies[node] = replace(node, parent=None, children=[])
+            children = [child for child in node.children if child.name not in self._recipes]
+            for name, absentee in self._absentees.items():
+                if absentee.parent == node.name:
+                    children.insert(self._place_of(name, node.name, children), absentee.node)
+            for child in children:
+                below = copied(child)
+                below.parent = copy
+                copy.children.append(below)
+            return copy
+
+        roots = [copied(root) for root in scene.roots]
+        components = [replace(d, node=copies[d.node], robot=copies[d.robot]) for d in scene.components]
+        zones = [replace(zone, node=copies[zone.node]) for zone in scene.zones]
+        return replace(scene, roots=roots, components=components, zones=zones)
 
     def _present(self, recipe: Recipe) -> Newcomer:
         scene = self._simulation.scene
-        roots = [root for root in scene.roots if root.name in recipe.roots]
+        roots = [node for node in scene.nodes() if node.name in recipe.roots]
         nodes = {node for root in roots for node in root.walk()}
-        return Newcomer(roots, [component for component in scene.components if component.node in nodes])
+        components = [component for component in scene.components if component.node in nodes]
+        # a component that came later is described without its robot
+        return Newcomer(roots, [d if d.robot in nodes else replace(d, robot=roots[0]) for d in components])
 
     def get_state(self) -> PopulationState:
         """Return the spawned objects with their kinds and poses, and the names of the deleted objects.
@@ -374,12 +527,13 @@ class Population:
         """
         # by identity: an object that was spawned later may have the name of a deleted one
         present = {id(root) for root in self._simulation.scene.roots}
+        gone = [name for name in self.components_at_launch() if name in self._absentees] if self._absentees else []
         return {
             "came": [
                 [name, recipe.kind if isinstance(recipe.kind, str) else "", [*recipe.position], [*recipe.rotation]]
                 for name, recipe in self._recipes.items()
             ],
-            "gone": [root.name for root in self._launch[0] if id(root) not in present],
+            "gone": [*(root.name for root in self._launch[0] if id(root) not in present), *gone],
         }
 
     def set_state(self, state: PopulationState, makers: Mapping[str, Callable[[], object]] = _NO_MAKERS) -> None:
@@ -397,12 +551,23 @@ class Population:
             name: Recipe(makers.get(name) or kind, position, rotation)
             for name, kind, position, rotation in state["came"]
         }
-        for name in [name for name, recipe in self._recipes.items() if not recipe.gives(names.get(name))]:
-            self.delete(name)
+        leaving = [name for name, recipe in self._recipes.items() if not recipe.gives(names.get(name))]
+        if [name for name in self._recipes if name not in leaving] != [name for name in names if name in self._recipes]:
+            # components come again in the right order
+            leaving += [name for name in self._recipes if "." in name and name not in leaving]
+        for name in leaving:
+            if name in self._recipes:  # it may have left with its robot
+                self.delete(name)
         for root in self._launch[0]:
             if root.name in state["gone"] and root in self._simulation.scene.roots:
                 self.delete(root.name)
-        self._bring_back([root for root in self._launch[0] if root.name not in state["gone"]])
+        self._bring_back(
+            [root for root in self._launch[0] if root.name not in state["gone"]],
+            [name for name in self._absentees if name not in state["gone"]],
+        )
+        for name in self.components_at_launch():
+            if name in state["gone"] and name not in self._absentees and name in self._simulation.context.components:
+                self.delete(name)
         for name, recipe in names.items():
             if name in self._recipes:
                 continue
@@ -425,8 +590,12 @@ class Population:
         def order(name: str) -> int:
             return place.get(name, -1)  # objects of the launch are the first, as before
 
+        def order_of(component: ComponentDeclaration) -> int:
+            owners = (one for one in names if component.name == one or component.name.startswith(f"{one}."))
+            return order(max(owners, key=len, default=""))
+
         roots = sorted(scene.roots, key=lambda root: order(root.name))
-        components = sorted(scene.components, key=lambda component: order(component.robot.name))
+        components = sorted(scene.components, key=order_of)
         simulation.context.world.arrange(roots, components, list(scene.zones))
         self._sort_components(components)
         self._changed()
@@ -440,11 +609,12 @@ class Population:
         _sort(simulation.context.robots, by_declaration)
         _sort(simulation.context.components, by_declaration)
 
-    def _bring_back(self, roots: list[Node]) -> None:
-        """Restore deleted robots and objects of the launch."""
+    def _bring_back(self, roots: list[Node], names: Collection[str] = ()) -> None:
+        """Restore deleted robots and objects of the launch, and its components of some names."""
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
         missing = {node for root in roots if root not in scene.roots for node in root.walk()}
+        missing |= {node for name in names for node in self._absentees[name].node.walk()}
         if not missing:
             return
         came = [root for root in scene.roots if root not in self._launch[0]]
@@ -453,7 +623,7 @@ class Population:
         components = [d for d in self._launch[1] if d in present or d in back]
         components += [d for d in present if d not in self._launch[1]]
         zones = [zone for zone in self._launch[2] if zone in scene.zones or zone.node in missing]
-        context.world.arrange([*roots, *came], components, zones)
+        self._arrange(names, ([*roots, *came], components, zones))
         with acting(context), scene.project:
             parts = load_components(context, back)
             connect(context, parts, back)

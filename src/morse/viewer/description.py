@@ -35,6 +35,22 @@ class PropertyDescription(Struct, frozen=True):
     high: float | None = None
 
 
+class SettingDescription(Struct, frozen=True):
+    """A method of the builder by which a component is set up.
+
+    Attributes:
+        method: ``frequency``, ``level``, ``alter``, ``add_stream``, …
+        name: the first argument, of methods that may be called for several; empty for others.
+        doc: what it does.
+        arguments: the others by name; that with an empty name is the first one.
+    """
+
+    method: str
+    name: str = ""
+    doc: str = ""
+    arguments: list[PropertyDescription] = []
+
+
 class ArgumentDescription(Struct, frozen=True):
     """An argument of a service; ``default`` is in Python notation, None if the argument is required."""
 

@@ -2,35 +2,33 @@
 
 from __future__ import annotations
 
-import base64
-import json
 import logging
 import os
-import queue
-import subprocess
-import threading
 from dataclasses import replace
 from functools import partial
+from keyword import iskeyword
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.builder import workspace
-from morse.builder.assembly.spawning import component_of
+from morse.builder.assembly.spawning import call_text, component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.source import Source
 from morse.builder.editing.writing import variable_name
 from morse.builder.names.project_files import source_folders
 from morse.builder.script import describing
 from morse.core.clients.complaints import Complaints
+from morse.core.declarations import properties
 from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
 from morse.core.reports.faults import message
 from morse.core.reports.quoting import short
 from morse.mathutils.rotations import compatible_euler, rotation_from_quaternion
-from morse.scene.extent import visible_extent
-from morse.system.workers import command
+from morse.scene.extent import extent, visible_extent
+from morse.viewer.catalog import Catalog
+from morse.viewer.feeds.components import settings_of
 from morse.viewer.script_file import ScriptFile
-from morse.viewer.view_messages import Answer, Model, ModelPicture, Models, Refused, SceneChanges
+from morse.viewer.view_messages import Answer, PropertyValue, Refused, SceneChanges
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -42,94 +40,7 @@ if TYPE_CHECKING:
     from morse.viewer.server import ViewServer
 
 
-# The models that the page offers, with their pictures, which another process draws.
-
-_PROGRAM = "morse.launch.model_pictures"
-#: maximum number of bytes of a line that classes of the project print
-_LONGEST_LINE = 400
-
 logger = logging.getLogger("morse.viewer")
-
-
-class Catalog:
-    """Lists models when a page asks for them first.
-
-    What the classes of the project print in the other process is logged.
-
-    Args:
-        folders: of the models of the project.
-        sources: folders of its packages.
-
-    Attributes:
-        groups: the group of each kind: ``robots``, ``sensors``, or another one for objects.
-    """
-
-    def __init__(self, server: ViewServer, folders: Sequence[str], sources: Sequence[str] = ()) -> None:
-        self._server = server
-        self._arguments = [json.dumps([*paths]) for paths in (folders, sources)]
-        self._process: subprocess.Popen[bytes] | None = None
-        self._lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-        self._printed = ""
-        self._complaints = Complaints(logger)
-        self.groups: dict[str, str] = {}
-
-    def open(self) -> None:
-        """Start to list the models, unless that has been done.
-
-        Raises:
-            OSError: the process cannot be started.
-        """
-        if self._process is not None and (self.groups or self._process.poll() is None):
-            return
-        self._process = process = subprocess.Popen(
-            command(_PROGRAM, *self._arguments),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        )
-        assert process.stdout is not None
-        assert process.stderr is not None
-        for name, read in (("models", self._read), ("what models print", self._log)):
-            stream = process.stdout if read == self._read else process.stderr
-            threading.Thread(target=read, args=[process, stream], name=name, daemon=True).start()
-
-    def _read(self, process: subprocess.Popen[bytes], stream: IO[bytes]) -> None:
-        for line in stream:
-            self._lines.put(line)
-        if process.wait() > 0:
-            self._lines.put(b"")
-
-    def _log(self, process: subprocess.Popen[bytes], stream: IO[bytes]) -> None:
-        while line := stream.readline(_LONGEST_LINE):
-            if text := short(line.decode(errors="replace").rstrip(), _LONGEST_LINE):
-                self._printed = text
-                self._complaints.log(logging.INFO, text, f"the list of models: {text}")
-
-    def update(self) -> None:
-        """Send the pages what has been drawn."""
-        while not self._lines.empty():
-            line = self._lines.get()
-            if line:
-                self._take(json.loads(line))
-            else:
-                text = f"The list of models is not complete: its process has failed. {self._printed}".rstrip()
-                self._complaints.warn("failed", text)
-                self._server.send(Refused("list_models", text))
-
-    def _take(self, content: Any) -> None:
-        if isinstance(content, list):
-            models = [Model(one["kind"], one["name"], one["group"]) for one in content]
-            self.groups = {model.kind: model.group for model in models}
-            self._server.send(Models(models))
-        else:
-            url = self._server.offer("pictures", "image/webp", base64.b64decode(content["picture"]))
-            self._server.send(ModelPicture(content["kind"], url))
-
-    def close(self) -> None:
-        """End the process."""
-        if self._process is not None and self._process.poll() is None:
-            self._process.terminate()
-
 
 Triple = tuple[float, float, float]
 
@@ -139,8 +50,35 @@ _MOST_CHANGES = 1000
 _FULL = f"the scene has {_MOST_CHANGES} changes: save and reload it before you change more"
 
 
+class Call(NamedTuple):
+    """A call of a method of the builder that pages have made for a component; see `page.Configure`."""
+
+    method: str
+    values: dict[str, object]
+
+    def key(self) -> tuple[str, str]:
+        """Calls with the same key replace each other."""
+        first = self.values.get("field", "") if self.method == "noise" else self.values.get("", "")
+        if self.method == "properties":
+            first = next(iter(self.values))
+        return self.method, str(first) if self.method in _SEVERAL else ""
+
+
+#: methods that are called for several properties, fields, modifiers and middlewares
+_SEVERAL = ("properties", "noise", "alter", "add_stream")
+#: what pages may call beside `properties`
+_METHODS = ("frequency", "level", "noise", "delay", "phase", "alter", "add_stream")
+Calls = dict[tuple[str, str], Call]
+
+
+class _Change(NamedTuple):
+    what: str
+    undo: Callable[[], object]
+    redo: Callable[[], object]
+
+
 class Editor:
-    """The changes of one scene, and how each is undone.
+    """The changes of one scene, and how each is undone and made again.
 
     A restart of the simulation makes the changes again: they belong to the scene, not to the run.
     """
@@ -153,7 +91,9 @@ class Editor:
         self._additions: dict[str, Addition] = {}
         self._moves: dict[str, Move] = {}
         self._deletions: dict[str, list[str]] = {}
-        self._undos: list[tuple[str, Callable[[], object]]] = []
+        self._calls: dict[str, Calls] = {}
+        self._undos: list[_Change] = []
+        self._redos: list[_Change] = []
         options = simulation.options
         sources = [*options.source_paths, *(source_folders(Path(options.script).absolute()) if options.script else ())]
         self._catalog = Catalog(server, options.resource_paths, list(dict.fromkeys(sources)))
@@ -169,20 +109,37 @@ class Editor:
         self._catalog.open()
 
     def add(self, event: page.AddModel) -> None:
-        """Add a robot or an object with its lowest point at a position, or a sensor to a robot."""
+        """Add a robot or an object with its lowest point at a position, or a component to a robot."""
         self._attempt(event.request, lambda: self._add(event))
 
     def delete(self, event: page.DeleteObject) -> None:
-        """Delete a robot or an object."""
+        """Delete a robot, an object or a component."""
         self._attempt(event.request, lambda: self._delete(event.node))
+
+    def duplicate(self, event: page.DuplicateObject) -> None:
+        """Add a robot or an object once more, beside the first one."""
+        self._attempt(event.request, lambda: self._duplicate(event.node))
 
     def undo(self, event: page.UndoChange) -> None:
         """Undo the last change."""
-        if self._undos:
-            what, undo = self._undos.pop()
-            self._attempt(event.request, lambda: (undo(), what)[1])
-        else:
-            self._server.send(Answer(event.request, False, error="there is no change to undo"))
+        self._again_or_back(event.request, self._undos, self._redos, "undo")
+
+    def redo(self, event: page.RedoChange) -> None:
+        """Make the change again that was undone last."""
+        self._again_or_back(event.request, self._redos, self._undos, "make again")
+
+    def _again_or_back(self, request: int, source: list[_Change], target: list[_Change], what: str) -> None:
+        if not source:
+            self._server.send(Answer(request, False, error=f"there is no change to {what}"))
+            return
+        change = source.pop()
+
+        def make() -> str:
+            (change.undo if source is self._undos else change.redo)()
+            target.append(change)
+            return change.what
+
+        self._attempt(request, make)
 
     def save(self, event: page.SaveScene) -> None:
         """Write the script, or only show what would be written."""
@@ -196,31 +153,89 @@ class Editor:
     # -- adding and deleting ---------------------------------------------------------------
 
     def _add(self, event: page.AddModel) -> str:
-        if self._is_full:
-            raise MorseError(_FULL)
+        self._check_room()
         group = self._catalog.groups.get(event.model)
         if group is None:
             raise MorseError(f"there is no model '{event.model}' in the list")
         name = variable_name(event.model, self._names())
         position, angles, lowest = self._own_pose(event.model)
-        if group == "sensors":
-            if event.robot not in self._simulation.context.robots:
-                raise MorseError("drop a sensor on a robot")
-            place = _rounded(event.position, 2)
-            self._additions[name] = Addition(name, event.model, place, angles, event.robot, position, angles)
-            self._undo_by(f"{event.robot}.{name} was added", lambda: self._additions.pop(name, None))
-            return name
-        x, y, z = event.position
-        place = _rounded((x, y, z - lowest), 2)
-        angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
-        self._spawn(Addition(name, event.model, place, angles_now, "", position, angles))
-        self._undo_by(f"{name} was added", lambda: self._delete(name, undoable=False))
+        if group in ("sensors", "actuators"):
+            self._check_carrier(event.robot)
+            usual = self._usual_place(event.robot, group)
+            place = _rounded(usual if event.position is None else event.position, 2)
+            addition = Addition(name, event.model, place, angles, event.robot, position, angles)
+        else:
+            x, y, z = event.position or (0.0, 0.0, 0.0)
+            place = _rounded((x, y, z - lowest), 2)
+            angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
+            addition = Addition(name, event.model, place, angles_now, "", position, angles)
+        return self._add_together([addition])
+
+    def _add_together(self, additions: Sequence[Addition]) -> str:
+        """Add a robot or an object with its components, or a component; returns the name of the first."""
+        self._add_all(additions)
+        name = additions[0].scene_name
+        self._undo_by(f"{name} was added", lambda: self._delete(name, undoable=False), lambda: self._add_all(additions))
         return name
+
+    def _add_all(self, additions: Sequence[Addition]) -> None:
+        for addition in additions:
+            try:
+                self._spawn(addition)
+            except Exception:
+                if addition is not additions[0]:
+                    self._delete(additions[0].scene_name, undoable=False)
+                raise
+
+    def _check_room(self) -> None:
+        if self._is_full:
+            raise MorseError(_FULL)
+
+    def _check_carrier(self, robot: str) -> None:
+        if robot not in self._simulation.context.robots:
+            raise MorseError("drop a sensor or an actuator on a robot")
+        if not self._belongs(self._root(robot)):
+            raise MorseError(f"'{robot}' is no part of the scene: a client has spawned it")
+
+    def _usual_place(self, robot: str, group: str) -> Triple:
+        """An actuator is in the origin of its robot, a sensor stands on it."""
+        node = self._simulation.scene.find(robot)
+        if node is None or group == "actuators":
+            return 0.0, 0.0, 0.0
+        corners = extent((one for one in node.walk() if one.visible), node)
+        if corners is None:
+            return 0.0, 0.0, 0.0
+        low, high = corners
+        return float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2, float(high[2])
+
+    def _duplicate(self, name: str) -> str:
+        self._check_room()
+        name = self._root(name).name
+        original = self._additions.get(name)
+        if original is None:
+            raise MorseError(f"'{name}' was not added in this page: copy its lines in the script")
+        names = self._names()
+        parts = [original, *(one for one in self._additions.values() if one.robot == name)]
+        twins: list[Addition] = []
+        for part in parts:
+            word = variable_name(part.kind, names)
+            names.add(word)
+            twins.append(replace(part, name=word, robot=twins[0].name if twins else part.robot))
+            if calls := self._calls.get(part.scene_name):
+                self._calls[twins[-1].scene_name] = dict(calls)
+        if not original.robot:
+            node = self._simulation.scene.find(name)
+            corners = None if node is None else visible_extent(node)
+            width = 1.0 if corners is None else float(corners[1][1] - corners[0][1]) + 0.3
+            x, y, z = original.position
+            twins[0] = replace(twins[0], position=_rounded((x, y + width, z)))
+        return self._add_together(twins)
 
     def _names(self) -> set[str]:
         import morse.builder
 
-        names = {node.name for node in self._simulation.scene.nodes()} | {*dir(morse.builder), *self._additions}
+        names = {part for node in self._simulation.scene.nodes() for part in (node.name, *node.name.split("."))}
+        names |= {*dir(morse.builder), *(one.name for one in self._additions.values())}
         try:
             return names | Source(self._file.text, "").names()
         except UnwritableError:
@@ -236,35 +251,50 @@ class Editor:
         return position, angles, 0.0 if corners is None else float(corners[0][2]) - position[2]
 
     def _spawn(self, addition: Addition) -> None:
-        pose = [*addition.position], [*addition.angles]
-        self._services.run("simulation", "spawn", addition.name, addition.kind, *pose)
-        self._additions[addition.name] = addition
+        name = addition.scene_name
+        self._appear(name, addition.kind, (addition.position, addition.angles), self._calls.get(name, {}))
+        self._additions[name] = addition
+
+    def _appear(self, name: str, kind: str, pose: tuple[Triple, Triple], calls: Calls) -> None:
+        """Spawn a robot, an object or a component; a component without a kind is one of the script."""
+        lines = "\n".join([kind, *_lines(calls)]) if kind and calls else kind or "\n".join(["", *_lines(calls), ""])
+        self._services.run("simulation", "spawn", name, lines, *map(list, pose))
 
     def _delete(self, name: str, *, undoable: bool = True) -> str:
         root = self._root(name)
         if not self._belongs(root):
             return self._delete_guest(root.name, undoable=undoable)
         # a robot goes with everything on it
-        is_robot = root.name in self._simulation.context.robots
-        below = [] if is_robot else [node.name for node in root.walk()][1:]
-        additions = {one.name: one for one in self._additions.values() if one.robot == root.name}
-        addition, move = self._additions.get(root.name), self._moves.get(root.name)
+        is_robot, is_component = root.name in self._simulation.context.robots, root.parent is not None
+        below = [] if is_robot or is_component else [node.name for node in root.walk()][1:]
+        addition = self._additions.get(root.name)
         if addition is None and self._file.path is not None:
             self._file.changed(Changes(deletions={root.name: below}))  # can it be saved?
+        pose = _triple(root.location), _triple(root.rotation_euler)
+        own = [one for table in self._tables() for one in table if _is_of(one, root.name)]
+        before = [{one: table[one] for one in own if one in table} for table in self._tables()]
         self._services.run("simulation", "delete", root.name)
-        for part in (*additions, root.name):
-            self._additions.pop(part, None)
-        self._moves.pop(root.name, None)
+        for table in self._tables():
+            for one in own:
+                table.pop(one, None)
         if addition is None:
             self._deletions[root.name] = below
         if undoable:
-            self._undo_by(f"{root.name} was deleted", lambda: self._bring_back(root.name, addition, move, additions))
+            self._undo_by(
+                f"{root.name} was deleted",
+                lambda: self._bring_back(root.name, pose, before),
+                lambda: self._delete(root.name, undoable=False),
+            )
         return root.name
+
+    def _tables(self) -> tuple[dict[str, Any], ...]:
+        return self._additions, self._moves, self._deletions, self._calls
 
     def _belongs(self, root: Node) -> bool:
         """Whether an object is part of the scene: those that clients have spawned leave with the run."""
-        population = self._simulation.population
-        return root.name in self._additions or root.parent is not None or root.name in population.roots_at_launch()
+        while root.parent is not None and root.name not in self._additions:
+            root = root.parent
+        return root.name in self._additions or root.name in self._simulation.population.roots_at_launch()
 
     def _delete_guest(self, name: str, *, undoable: bool) -> str:
         """Delete an object that a client has spawned."""
@@ -273,19 +303,24 @@ class Editor:
         for guest, kind, position, angles in came:
             if guest == name and kind and undoable:
                 again = partial(self._services.run, "simulation", "spawn", name, kind, position, angles)
-                self._undo_by(f"{name} was deleted", again)
+                self._undo_by(f"{name} was deleted", again, partial(self._delete_guest, name, undoable=False))
         return name
 
-    def _undo_by(self, what: str, undo: Callable[[], object]) -> None:
-        self._undos.append((what, undo))
+    def _undo_by(self, what: str, undo: Callable[[], object], redo: Callable[[], object]) -> None:
+        self._undos.append(_Change(what, undo, redo))
         del self._undos[:-_MOST_CHANGES]
+        self._redos.clear()
 
     @property
     def _is_full(self) -> bool:
-        return len(self._additions) + len(self._moves) + len(self._deletions) >= _MOST_CHANGES
+        return self._count() >= _MOST_CHANGES
+
+    def _count(self) -> int:
+        own = sum(len(calls) for name, calls in self._calls.items() if name not in self._additions)
+        return len(self._additions) + len(self._moves) + len(self._deletions) + own
 
     def _root(self, name: str) -> Node:
-        """The object to which a node belongs; a component of a robot is no object."""
+        """The object or the component to which a node belongs."""
         node = self._simulation.scene.find(name)
         if node is None:
             raise MorseError(f"there is no object '{name}'")
@@ -293,21 +328,112 @@ class Editor:
             node = node.parent
         return node
 
-    def _bring_back(
-        self, name: str, addition: Addition | None, move: Move | None, additions: dict[str, Addition]
-    ) -> None:
-        if addition is not None:
-            self._spawn(addition)
+    def _bring_back(self, name: str, pose: tuple[Triple, Triple], before: list[dict[str, Any]]) -> None:
+        additions, moves, deletions, calls = before
+        self._calls |= calls
+        if name in additions:
+            self._spawn(additions[name])
+        elif "." in name:
+            self._appear(name, "", pose, self._calls.get(name, {}))
         else:
             population = self._simulation.population
             self._simulation.journal.note(EDIT, name, "brought back")
             present = population.get_state()
             population.set_state({**present, "gone": [one for one in present["gone"] if one != name]})
-            self._deletions.pop(name, None)
-        self._additions |= additions
-        if move is not None:
-            self._moves[name] = move
-            self._place(name, move.position, move.angles)
+        self._deletions.pop(name, None)
+        self._deletions |= deletions
+        for part, addition in additions.items():
+            if part != name:
+                self._spawn(addition)
+        for part in calls:
+            if part != name and part not in additions and "." in part:
+                self._compose(part, calls[part])
+        for moved, move in moves.items():
+            self._moves[moved] = move
+            self._place(moved, move.position, move.angles)
+
+    # -- settings of components --------------------------------------------------------------
+
+    def set_property(self, event: page.SetProperty) -> None:
+        """A page has set a property of a component: the script gets it as well."""
+        component = self._simulation.context.component(event.component)
+        declared = {one.name: python_name for python_name, one in properties(type(component)).items()}
+        before = getattr(component, declared[event.name]) if event.name in declared else None
+        if not self._services.set_property(event) or not self._belongs(self._root(event.component)):
+            return
+        call = Call("properties", {event.name: event.value})
+        old = self._calls.get(event.component, {})
+        new = {**old, call.key(): call}
+        first = old.get(call.key())
+
+        def change(value: object, calls: Calls) -> None:
+            self._services.run(event.component, "set_property", event.name, value)
+            self._server.send(PropertyValue(event.component, event.name, value))
+            self._note(event.component, calls)
+
+        self._note(event.component, new)
+        self._undo_by(
+            f"{event.name} of {event.component} was set",
+            lambda: change(first.values[event.name] if first is not None else before, old),
+            lambda: change(event.value, new),
+        )
+
+    def configure(self, event: page.Configure) -> None:
+        """Call a method of the builder for a component, or take the call back."""
+        self._attempt(event.request, lambda: self._configure(event))
+
+    def _configure(self, event: page.Configure) -> str:
+        if event.method not in _METHODS:
+            raise MorseError(f"'{event.method}' is no setting of a component: there are {', '.join(_METHODS)}")
+        if odd := [name for name in event.values if name and (not name.isidentifier() or iskeyword(name))]:
+            raise MorseError(f"'{short(odd[0])}' is no name of an argument")
+        name, call = event.component, Call(event.method, event.values)
+        declared = next((d for d in self._simulation.scene.components if d.name == name), None)
+        if declared is None or declared.kind not in ("sensor", "actuator"):
+            raise MorseError(f"there is no sensor or actuator '{name}'")
+        if not self._belongs(self._root(name)):
+            raise MorseError(f"'{name}' is no part of the scene: a client has spawned its robot")
+        if not event.remove:
+            self._check_room()
+        old = self._calls.get(name, {})
+        if event.remove and call.key() not in old:
+            raise MorseError(f"{event.method} was not set in this page: change the script")
+        new = {key: one for key, one in old.items() if key != call.key()}
+        if not event.remove:
+            new[call.key()] = call
+        addition = self._additions.get(name)
+        if addition is None and self._file.path is not None and new:
+            self._file.changed(Changes(calls={name: _lines(new)}))  # can it be saved?
+        self._compose(name, new)
+        what = f"{event.method} of {name} was {'taken back' if event.remove else 'set'}"
+        self._undo_by(what, lambda: self._compose(name, old), lambda: self._compose(name, new))
+        return name
+
+    def _compose(self, name: str, calls: Calls) -> None:
+        """Create a component anew, with other calls."""
+        node, addition = self._simulation.scene.find(name), self._additions.get(name)
+        if node is None:
+            raise MorseError(f"there is no component '{name}'")
+        kind, pose = "" if addition is None else addition.kind, (_triple(node.location), _triple(node.rotation_euler))
+        self._services.run("simulation", "delete", name)
+        try:
+            self._appear(name, kind, pose, calls)
+        except Exception:
+            self._appear(name, kind, pose, self._calls.get(name, {}))
+            raise
+        self._note(name, calls)
+
+    def _note(self, name: str, calls: Calls) -> None:
+        if calls:
+            self._calls[name] = calls
+        else:
+            self._calls.pop(name, None)
+
+    def list_settings(self, event: page.ListSettings) -> None:
+        """Tell pages what can be set for a component."""
+        settings = settings_of(self._simulation, event.component, self._calls.get(event.component, {}).values())
+        if settings is not None:
+            self._server.send(settings)
 
     # -- moving ----------------------------------------------------------------------------
 
@@ -325,11 +451,20 @@ class Editor:
         near = node.rotation_euler if old is None else old.angles
         angles = _rounded(compatible_euler(rotation_from_quaternion(*event.quaternion), "XYZ", list(near)))
         if event.first:
-            self._undo_by(f"{name} was moved", lambda: self._put_back(name, addition, move))
+            self._undo_of_move(name, addition, move)
         if addition is not None:
             self._additions[name] = replace(addition, position=position, angles=angles)
         else:
             self._moves[name] = Move(name, position, angles, _triple(node.location), _triple(node.rotation_euler))
+
+    def _undo_of_move(self, name: str, addition: Addition | None, move: Move | None) -> None:
+        later: list[tuple[Addition | None, Move | None]] = []
+
+        def undo() -> None:
+            later[:] = [(self._additions.get(name), self._moves.get(name))]
+            self._put_back(name, addition, move)
+
+        self._undo_by(f"{name} was moved", undo, lambda: self._put_back(name, *later[0]))
 
     def _put_back(self, name: str, addition: Addition | None, move: Move | None) -> None:
         node = self._simulation.scene.find(name)
@@ -354,22 +489,21 @@ class Editor:
     # -- saving ----------------------------------------------------------------------------
 
     def _save(self, *, write: bool) -> dict[str, str]:
-        text = self._file.changed(Changes([*self._additions.values()], [*self._moves.values()], self._deletions))
+        additions = [
+            replace(one, calls=tuple(_lines(self._calls.get(name, {})))) for name, one in self._additions.items()
+        ]
+        calls = {name: _lines(own) for name, own in self._calls.items() if name not in self._additions}
+        text = self._file.changed(Changes(additions, [*self._moves.values()], self._deletions, calls))
         difference = self._file.difference(text)
         if write:
             content = self._file.save(text)
-            if not self._waiting():
-                self._simulation.edits.write(os.path.abspath(str(self._file.path)), content)
+            self._simulation.edits.write(os.path.abspath(str(self._file.path)), content)
             self._saved = self._state()
         return {"path": str(self._file.path), "difference": difference}
 
-    def _waiting(self) -> list[str]:
-        """The sensors that appear when the scene is loaded again."""
-        return [f"{one.robot}.{one.name}" for one in self._additions.values() if one.robot]
-
     def _state(self) -> str:
         """All changes, to compare them with those that were saved."""
-        return repr((self._additions, self._moves, self._deletions))
+        return repr(self._tables())
 
     # -- the view --------------------------------------------------------------------------
 
@@ -386,12 +520,25 @@ class Editor:
             if not self._again(f"{name} is not deleted", partial(self._services.run, "simulation", "delete", name)):
                 del self._deletions[name]
         for name, addition in [*self._additions.items()]:
-            if not addition.robot and not self._again(f"{name} is not added", partial(self._spawn, addition)):
+            if not self._again(f"{name} is not added", partial(self._spawn, addition)):
                 del self._additions[name]
+        for name, calls in [*self._calls.items()]:
+            if name not in self._additions and not self._again(
+                f"the settings of {name} are not made", partial(self._set_again, name, calls)
+            ):
+                del self._calls[name]
         for name, move in [*self._moves.items()]:
             place = partial(self._place, name, move.position, move.angles)
             if not self._again(f"{name} is not moved", place):
                 del self._moves[name]
+
+    def _set_again(self, name: str, calls: Calls) -> None:
+        if name in self._simulation.context.robots:
+            for call in calls.values():
+                for prop, value in call.values.items():
+                    self._services.run(name, "set_property", prop, value)
+        else:
+            self._compose(name, calls)
 
     def _again(self, consequence: str, change: Callable[[], object]) -> bool:
         """Make a change again; returns whether that was possible."""
@@ -407,11 +554,11 @@ class Editor:
     def update(self) -> None:
         """Tell the pages what has changed."""
         self._catalog.update()
-        count = len(self._additions) + len(self._moves) + len(self._deletions)
+        count = self._count()
         # without the changes that were saved, the file is to be written again
         count = 0 if self._state() == self._saved else max(count, 1)
-        last = self._undos[-1][0] if self._undos else ""
-        message = SceneChanges(count, last, self._waiting(), "" if self._file.path is None else self._file.path.name)
+        last, later = (changes[-1].what if changes else "" for changes in (self._undos, self._redos))
+        message = SceneChanges(count, last, later, "" if self._file.path is None else self._file.path.name)
         if message != self._last_message:
             self._last_message = message
             self._server.send(message)
@@ -419,6 +566,20 @@ class Editor:
     def close(self) -> None:
         """End the drawing of pictures."""
         self._catalog.close()
+
+
+def _is_of(name: str, whole: str) -> bool:
+    return name == whole or name.startswith(f"{whole}.")
+
+
+def _lines(calls: Calls) -> list[str]:
+    """Calls as lines of a script, the properties in one of them."""
+    values: dict[str, object] = {}
+    for call in calls.values():
+        if call.method == "properties":
+            values |= call.values
+    lines = [call_text("properties", values)] if values else []
+    return lines + [call_text(*call) for call in calls.values() if call.method != "properties"]
 
 
 def _triple(values: Sequence[float]) -> Triple:

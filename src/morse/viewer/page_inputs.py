@@ -152,13 +152,15 @@ class ServiceCalls(RequestManager):
             if request in event.requests:
                 self.abandon(request_id)
 
-    def set_property(self, event: page.SetProperty) -> None:
-        """Change a property."""
+    def set_property(self, event: page.SetProperty) -> bool:
+        """Change a property; returns whether that was possible."""
         if self.attempt(event.request, lambda: self.run(event.component, "set_property", event.name, event.value)):
             value = self._property(event.component, event.name)
             # sent even if the value has not changed: the field of the page may show another value
             self._server.send(PropertyValue(event.component, event.name, value))
             self._server.send(Answer(event.request, True, value))
+            return True
+        return False
 
     def _property(self, component: str, name: str) -> object:
         owner: object = self._context.component(component)

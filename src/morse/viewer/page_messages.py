@@ -234,20 +234,21 @@ class AddModel(ViewEvent, frozen=True):
 
     Attributes:
         model: the kind of a listed model.
-        position: of its lowest point in the world, or of a sensor in the frame of its robot, metres.
+        position: of its lowest point in the world, or of a component in the frame of its robot, metres; None for a
+            component at its usual place: an actuator in the origin of the robot, a sensor above it.
         yaw: radians.
-        robot: the robot that gets the sensor.
+        robot: the robot that gets the component.
     """
 
     request: Request
     model: Name
-    position: Point
+    position: Point | None = None
     yaw: Coordinate = 0.0
     robot: Name = ""
 
 
 class DeleteObject(ViewEvent, frozen=True):
-    """Delete a robot or an object; the answer is its name."""
+    """Delete a robot, an object or a component; the answer is its name."""
 
     request: Request
     node: Name
@@ -257,6 +258,41 @@ class UndoChange(ViewEvent, frozen=True):
     """Undo the last change of the scene; the answer is what it was."""
 
     request: Request
+
+
+class RedoChange(ViewEvent, frozen=True):
+    """Make the change again that was undone last; the answer is what it was."""
+
+    request: Request
+
+
+class DuplicateObject(ViewEvent, frozen=True):
+    """Put another robot or object like one that a page has added beside it; the answer is its name."""
+
+    request: Request
+    node: Name
+
+
+class ListSettings(ViewEvent, frozen=True):
+    """Send how a component can be set up."""
+
+    component: Name
+
+
+class Configure(ViewEvent, frozen=True):
+    """Call a method of the builder for a component, which is created anew with it; has an answer.
+
+    Attributes:
+        method: ``frequency``, ``level``, ``noise``, ``delay``, ``phase``, ``alter`` or ``add_stream``.
+        values: arguments by name; that with an empty name is the first one.
+        remove: whether an earlier call, with the same first argument, is taken back.
+    """
+
+    request: Request
+    component: Name
+    method: Name
+    values: dict[Name, Any] = {}
+    remove: bool = False
 
 
 class SaveScene(ViewEvent, frozen=True):

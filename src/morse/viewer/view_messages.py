@@ -9,6 +9,7 @@ from msgspec import Struct
 from morse.viewer.description import (
     ComponentDescription,  # noqa: TC001 (msgspec reads it)
     LightDescription,  # noqa: TC001 (msgspec reads it)
+    SettingDescription,  # noqa: TC001 (msgspec reads it)
 )
 from morse.viewer.page_messages import snake_case
 
@@ -406,11 +407,19 @@ class Capturing(ServerMessage, frozen=True):
 
 
 class Model(Struct, frozen=True):
-    """A model that can be added; ``group`` is ``robots``, ``sensors``, or the name of a file with objects."""
+    """A model that can be added.
+
+    Attributes:
+        group: ``robots``, ``sensors``, ``actuators``, or the name of a file with objects.
+        doc: what it is, in a sentence.
+        words: more words by which people look for it.
+    """
 
     kind: str
     name: str
     group: str
+    doc: str = ""
+    words: str = ""
 
 
 class Models(ServerMessage, frozen=True):
@@ -428,19 +437,37 @@ class ModelPicture(ServerMessage, frozen=True):
     _about: ClassVar[tuple[str, ...] | None] = ("kind",)
 
 
+class ComponentSettings(ServerMessage, frozen=True):
+    """How a component can be set up.
+
+    Attributes:
+        settings: what can be called for it, with the present values of the arguments.
+        own: method and first argument of what pages have called, which can be taken back.
+        scripted: method and first argument of what the script has called.
+    """
+
+    component: str
+    settings: list[SettingDescription]
+    own: list[tuple[str, str]]
+    scripted: list[tuple[str, str]]
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+    _lasting: ClassVar[bool] = False
+
+
 class SceneChanges(ServerMessage, frozen=True):
     """The changes of the scene since its script was run.
 
     Attributes:
         count: their number; 0 if all of them were saved.
         last: what was changed last; empty if there is nothing to undo.
-        waiting: sensors that will be there when the scene is saved and loaded again.
+        next: what was undone last; empty if there is nothing to make again.
         file: name of the file in which the scene is saved; empty if it cannot be saved.
     """
 
     count: int
     last: str
-    waiting: list[str]
+    next: str
     file: str
 
 

@@ -7,12 +7,21 @@ import { draggable } from "./dragging";
 
 const TOUCH = matchMedia("(pointer: coarse)").matches;
 const HINT = TOUCH
-  ? "Tap a model to put it in the middle of the view, or drag it sideways into the world; a sensor onto a robot."
-  : "Drag into the world, or press to put it in the middle of the view; a sensor onto a robot.";
+  ? "Tap a model to put it in the middle of the view, or drag it sideways into the world. Sensors and actuators go to the selected robot, or onto that to which you drag them."
+  : "Drag into the world, or press to put it in the middle of the view. Sensors and actuators go to the selected robot, or onto that to which you drag them.";
+const FAVOURITES = "morse.favourites";
 
 /** A name that may be broken between its words: Localized·PR2, Depth·Camera. */
 function inParts(name: string): (string | HTMLElement)[] {
   return name.split(/(?<=[a-z])(?=[A-Z])|(?<=_)/).flatMap((part, i) => (i > 0 ? [h("wbr", {}), part] : [part]));
+}
+
+/** How well a model fits a word that somebody looks for: its name first, then its words, then what it is. */
+function rankOf({ name, group, kind, doc, words }: Model, word: string): number {
+  if (name.toLowerCase().startsWith(word)) return 0;
+  if (`${name} ${kind}`.toLowerCase().includes(word)) return 1;
+  if (words.toLowerCase().split(/\W+/).includes(word)) return 2;
+  return `${group} ${doc} ${words}`.toLowerCase().includes(word) ? 3 : Infinity;
 }
 
 export interface Placing {
@@ -72,10 +81,13 @@ export class AddPanel {
       return;
     }
     const words = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const fits = (model: Model): boolean => words.every((word) => `${model.name} ${model.group} ${model.kind}`.toLowerCase().includes(word));
+    const rank = (model: Model): number => Math.max(...words.map((word) => rankOf(model, word)), 0);
+    const found = this.models.filter((model) => rank(model) < Infinity).sort((a, b) => rank(a) - rank(b));
     const groups = new Map<string, Model[]>();
-    for (const model of this.models.filter(fits)) groups.set(model.group, [...(groups.get(model.group) ?? []), model]);
-    const parts = [...groups].map(([group, models]) =>
+    const kept = this.favourites();
+    if (kept.length > 0) groups.set("favourites", found.filter(({ kind }) => kept.includes(kind)));
+    for (const model of found) groups.set(model.group, [...(groups.get(model.group) ?? []), model]);
+    const parts = [...groups].filter(([, models]) => models.length > 0).map(([group, models]) =>
       h("fieldset", {}, h("legend", {}, group), h("div", { class: "grid" }, ...models.map((model) => this.button(model)))),
     );
     this.list.replaceChildren(...(parts.length > 0 ? parts : [h("p", { class: "quiet" }, "Nothing of that name.")]));
@@ -84,8 +96,16 @@ export class AddPanel {
   private button(model: Model): HTMLElement {
     const image = h("img", { alt: "", draggable: false, loading: "lazy", width: 72, height: 54 });
     const icon = h("span", { class: "kind" });
-    icon.innerHTML = { robots: icons.robot, sensors: icons.sensor }[model.group] ?? icons.boxes;
-    const button = h("button", { type: "button", class: "model", title: model.name, "data-kind": model.kind }, icon, image, h("span", { class: "caption" }, ...inParts(model.name)));
+    icon.innerHTML = { robots: icons.robot, sensors: icons.sensor, actuators: icons.actuator }[model.group] ?? icons.boxes;
+    const button = h(
+      "button",
+      { type: "button", class: "model", title: `${[model.name, model.doc].filter(Boolean).join("\n")}\nF: a favourite, or not`, "data-kind": model.kind },
+      icon,
+      image,
+      h("span", { class: "caption" }, ...inParts(model.name)),
+    );
+    button.addEventListener("keydown", (event) => event.key.toLowerCase() === "f" && this.toggleFavourite(model, event));
+    button.addEventListener("contextmenu", (event) => this.toggleFavourite(model, event));
     this.paint(image, model.kind);
     draggable(button, {
       drag: (x, y) => {
@@ -103,6 +123,18 @@ export class AddPanel {
       press: () => this.placing.put(model, null),
     });
     return button;
+  }
+
+  private favourites(): string[] {
+    return JSON.parse(localStorage.getItem(FAVOURITES) ?? "[]") as string[];
+  }
+
+  private toggleFavourite({ kind }: Model, event: Event): void {
+    event.preventDefault();
+    event.stopPropagation();
+    const kept = this.favourites();
+    localStorage.setItem(FAVOURITES, JSON.stringify(kept.includes(kind) ? kept.filter((one) => one !== kind) : [...kept, kind]));
+    this.render();
   }
 
   private paint(image: HTMLImageElement, kind: string): void {

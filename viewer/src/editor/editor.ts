@@ -15,15 +15,16 @@ import { AddPanel } from "./addpanel";
 import { Marker } from "./marker";
 import { confirmSave } from "./savedialog";
 
-/** Adds and deletes robots, objects and sensors, undoes changes, and saves the scene. */
+/** Adds and deletes robots, objects and components, undoes changes, and saves the scene. */
 export class Editor {
   readonly element: HTMLElement;
   readonly list: AddPanel;
   private readonly marker: Marker;
   private readonly addButton: HTMLButtonElement;
   private readonly undoButton: HTMLButtonElement;
+  private readonly redoButton: HTMLButtonElement;
   private readonly saveButton = h("button", { type: "button", class: "save", onclick: () => void this.save() }, "save…");
-  private readonly waiting = h("p", { class: "quiet waiting", hidden: true });
+  private readonly seatHint = h("p", { class: "quiet", hidden: true }, "Only the page that drives can change the scene: ask to drive (above).");
 
   constructor(
     private readonly connection: Connection,
@@ -32,7 +33,7 @@ export class Editor {
     private readonly toasts: Toasts,
     private readonly shell: Shell,
     private readonly world: Signal<World | null>,
-    drives: Signal<boolean>,
+    private readonly drives: Signal<boolean>,
     /** what the list of models takes the place of */
     private readonly tree: HTMLElement,
   ) {
@@ -46,32 +47,45 @@ export class Editor {
     this.addButton.innerHTML = icons.plus;
     this.addButton.append("add");
     this.undoButton = iconButton(icons.undo, "Undo", () => void this.undo(), "Ctrl+Z");
+    this.redoButton = iconButton(icons.redo, "Redo", () => void this.redo(), "Ctrl+Y");
     this.element = h(
       "div",
       { class: "editor", hidden: true },
-      h("div", { class: "tools" }, this.addButton, this.undoButton, this.saveButton),
-      this.waiting,
+      h("div", { class: "tools" }, this.addButton, this.undoButton, this.redoButton, this.saveButton),
+      this.seatHint,
     );
     // a recorded run has none
     connection.on("welcome", () => (this.element.hidden = true));
     connection.on("scene_changes", (changes) => this.show(changes));
     drives.watch((drives) => {
-      this.element.inert = !drives;
+      this.seatHint.hidden = drives;
+      this.enable();
       if (!drives) this.close();
     });
   }
 
-  private show({ count, last, waiting, file }: SceneChanges): void {
+  private changes: SceneChanges | null = null;
+
+  /** Who may not change the scene sees disabled controls. */
+  private enable(): void {
+    const drives = this.drives.value;
+    this.addButton.disabled = !drives;
+    this.undoButton.disabled = !drives || !this.changes?.last;
+    this.redoButton.disabled = !drives || !this.changes?.next;
+    this.saveButton.disabled = !drives || !this.changes?.file;
+  }
+
+  private show(changes: SceneChanges): void {
+    const { count, last, next, file } = changes;
+    this.changes = changes;
     this.element.hidden = false;
-    this.undoButton.disabled = last === "";
     this.undoButton.title = last === "" ? "Nothing to undo" : `Undo: ${last} (Ctrl+Z)`;
+    this.redoButton.title = next === "" ? "Nothing to redo" : `Redo: ${next} (Ctrl+Y)`;
     this.saveButton.hidden = count === 0;
-    this.saveButton.disabled = file === "";
+    this.enable();
     this.saveButton.title = file === "" ? "A program describes this scene: there is no script to save it in" : `Save in ${file} (Ctrl+S)`;
     this.saveButton.textContent = `save ${count}…`;
     this.saveButton.setAttribute("aria-label", `save ${count} ${count === 1 ? "change" : "changes"}`);
-    this.waiting.hidden = waiting.length === 0;
-    this.waiting.textContent = `${waiting.join(", ")}: not in the world before the scene is saved and reloaded`;
   }
 
   toggle(): void {
@@ -96,16 +110,23 @@ export class Editor {
     const { x, y } = place ?? { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 };
     const { point, hit } = this.marker.point(x, y);
     this.marker.hide();
-    const carrier = model.group === "sensors" ? this.carrier(point, hit, place === null) : null;
-    if (model.group === "sensors" && !carrier) {
-      this.toasts.show("Drop a sensor onto a robot.", "error");
+    const mounted = isMounted(model);
+    const carrier = mounted ? this.carrier(point, hit, place === null) : null;
+    if (mounted && !carrier) {
+      const kind = model.group.slice(0, -1);
+      this.toasts.show(`Select the robot that gets the ${kind} first, or drop the ${kind} onto it.`, "error");
       return;
     }
     const { robot, position } = carrier ?? { robot: "", position: point };
-    const answer = await this.connection.request({ type: "add_model", model: model.kind, position: position.toArray(), yaw: 0, robot });
+    // an actuator has no place of its own
+    const at = model.group === "actuators" ? null : (position?.toArray() ?? null);
+    const answer = await this.connection.request({ type: "add_model", model: model.kind, position: at, yaw: 0, robot });
     if (!answer.ok) this.toasts.show(answer.error, "error");
-    else if (robot) this.toasts.show(`${robot} gets ${String(answer.value)} when you save and reload the scene.`);
-    else this.select(String(answer.value));
+    else {
+      const name = String(answer.value);
+      this.select(name);
+      if (robot) this.toasts.show(`${name} is on ${robot}.`);
+    }
     if (this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
   }
 
@@ -128,14 +149,16 @@ export class Editor {
     });
   }
 
-  /** The robot at a point with that point in its frame; by keys, the selected robot. */
-  private carrier(point: Vector3, hit: Hit | null, selected: boolean): { robot: string; position: Vector3 } | null {
+  /** The robot at a point with that point in its frame; without a point, the selected robot, or the only one. */
+  private carrier(point: Vector3, hit: Hit | null, selected: boolean): { robot: string; position: Vector3 | null } | null {
     const isRobot = ({ description }: WorldNode): boolean => description.kind === "robot";
-    const name = this.components.robotOf(this.components.selected.value);
-    const node = hit?.node.find(isRobot) ?? (selected && name !== null ? this.stage.world?.find(name) : null);
-    if (!node) return null;
-    const position = hit?.node.find(isRobot) === node ? node.frame.worldToLocal(point.clone()) : point.clone().set(0, 0, 0);
-    return { robot: node.name, position };
+    if (selected) {
+      const robots = this.components.all.value.filter(({ kind }) => kind === "robot");
+      const robot = this.components.robotOf(this.components.selected.value) ?? (robots.length === 1 ? robots[0]?.name : null);
+      return robot ? { robot, position: null } : null;
+    }
+    const node = hit?.node.find(isRobot);
+    return node ? { robot: node.name, position: node.frame.worldToLocal(point.clone()) } : null;
   }
 
   async delete(name: string | null): Promise<void> {
@@ -143,6 +166,19 @@ export class Editor {
     const answer = await this.connection.request({ type: "delete_object", node: name });
     if (!answer.ok) this.toasts.show(answer.error, "error");
     else if (this.components.selected.value === name) this.components.selected.set(null);
+  }
+
+  async duplicate(name: string | null): Promise<void> {
+    if (name === null || this.element.hidden) return;
+    const answer = await this.connection.request({ type: "duplicate_object", node: name });
+    if (answer.ok) this.select(String(answer.value));
+    else this.toasts.show(answer.error, "error");
+  }
+
+  async redo(): Promise<void> {
+    if (this.element.hidden) return;
+    const answer = await this.connection.request({ type: "redo_change" });
+    this.toasts.show(answer.ok ? `Made again: ${String(answer.value)}.` : answer.error, answer.ok ? "info" : "error");
   }
 
   async undo(): Promise<void> {
@@ -159,12 +195,16 @@ export class Editor {
       return;
     }
     const { path, difference } = shown.value as { path: string; difference: string };
-    confirmSave(path, difference, !this.waiting.hidden, (reload) => void this.write(path, reload));
+    confirmSave(path, difference, () => void this.write(path));
   }
 
-  private async write(path: string, reload: boolean): Promise<void> {
+  private async write(path: string): Promise<void> {
     const answer = await this.connection.request({ type: "save_scene", write: true });
     this.toasts.show(answer.ok ? `Saved in ${path}.` : answer.error, answer.ok ? "info" : "error");
-    if (answer.ok && reload) this.connection.send({ type: "reset" });
   }
+}
+
+/** Whether a model is a part of a robot. */
+function isMounted({ group }: Model): boolean {
+  return group === "sensors" || group === "actuators";
 }

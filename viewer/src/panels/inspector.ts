@@ -7,6 +7,7 @@ import type { Signal } from "../ui/signal";
 import { unitText } from "../ui/units";
 import type { Field } from "./field";
 import { fill, inUse, makeField, read } from "./field";
+import { SettingsPanel } from "../editor/settings";
 import { Scan } from "./scan";
 import { serviceForm } from "./services";
 import { decimalsOf, format, numbersIn } from "./values";
@@ -25,20 +26,25 @@ export class Inspector {
   private note: HTMLElement | null = null;
   private scan: Scan | null = null;
   private shown: string | null = null;
+  private readonly settings: SettingsPanel;
 
   constructor(
     private readonly connection: Connection,
     private readonly components: Components,
     private readonly watching: Watching,
-    drives: Signal<boolean>,
+    private readonly drives: Signal<boolean>,
     private readonly extra: (name: string) => HTMLElement | null,
     private readonly onPlot: (component: string, field: string) => void,
   ) {
+    this.settings = new SettingsPanel(connection);
     components.selected.watch((name) => this.show(name));
     components.all.watch(() => this.show(components.selected.value));
     components.onValues((name, live) => name === this.shown && this.update(live));
     components.onChange((component) => component.name === this.shown && this.refresh(component));
-    drives.watch((drives) => this.element.classList.toggle("watching", !drives));
+    drives.watch((drives) => {
+      this.element.classList.toggle("watching", !drives);
+      this.show(this.shown);
+    });
   }
 
   private show(name: string | null): void {
@@ -46,13 +52,15 @@ export class Inspector {
     for (const fields of [this.cells, this.properties, this.commands]) fields.clear();
     this.scan = null;
     const component = this.components.find(name);
+    const settable = this.drives.value && (component?.kind === "sensor" || component?.kind === "actuator");
+    this.settings.show(settable ? name : null);
     this.watching.set("values", "inspector", component && component.kind !== "service" ? [component.name] : []);
     if (name === null) {
       this.element.replaceChildren(h("p", { class: "quiet" }, "Select a robot, a component or an object: here or in the view."));
       return;
     }
     const parts: (HTMLElement | null)[] = [component ? this.head(component) : h("h2", {}, name), this.extra(name)];
-    if (component) parts.push(this.data(component), this.propertiesOf(component), this.services(component));
+    if (component) parts.push(this.data(component), this.propertiesOf(component), this.settings.element, this.services(component));
     this.element.replaceChildren(...parts.filter((part): part is HTMLElement => part !== null));
     const live = name === null ? null : this.components.valuesOf(name);
     if (live) this.update(live);

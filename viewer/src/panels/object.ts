@@ -4,6 +4,7 @@ import type { Images } from "./images";
 import type { Toasts } from "./toasts";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
+import type { Signal } from "../ui/signal";
 import type { Follow } from "../view/follow";
 import type { Stage } from "../view/stage";
 import type { WorldNode } from "../world/node";
@@ -23,6 +24,8 @@ export class ObjectPanel {
     private readonly connection: Connection,
     private readonly onMove: (node: WorldNode) => void,
     private readonly onDelete: (node: WorldNode) => void,
+    private readonly onDuplicate: (node: WorldNode) => void,
+    private readonly drives: Signal<boolean>,
   ) {
     stage.onDrawn(() => this.update());
   }
@@ -33,12 +36,19 @@ export class ObjectPanel {
     const node = this.node;
     if (!node) return null;
     this.update();
-    const deletable = !["sensor", "actuator"].includes(node.description.kind);
-    const button = (icon: string, label: string, hint: string, run: () => void, keys = ""): HTMLElement => {
+    const button = (icon: string, label: string, hint: string, run: () => void, keys = ""): HTMLButtonElement => {
       const made = iconButton(icon, hint, run, keys);
       made.append(h("span", { class: "caption" }, label));
       return made;
     };
+    /** One that changes the scene. */
+    const change = (...parts: Parameters<typeof button>): HTMLButtonElement => {
+      const made = button(...parts);
+      made.disabled = !this.drives.value;
+      if (made.disabled) made.title = `${parts[2]}: only the page that drives can do this`;
+      return made;
+    };
+    const isMounted = ["sensor", "actuator"].includes(node.description.kind);
     return h(
       "div",
       { class: "object" },
@@ -53,8 +63,9 @@ export class ObjectPanel {
         { class: "tools captions" },
         button(icons.focus, "focus", "Focus", () => this.follow.frameNode(node), "C"),
         button(icons.eye, "follow", "Follow", () => this.follow.start("third", node)),
-        button(icons.move, "move", "Move", () => this.onMove(node), "M"),
-        deletable && button(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
+        !isMounted && change(icons.move, "move", "Move", () => this.onMove(node), "M"),
+        change(icons.boxes, "duplicate", "Duplicate", () => this.onDuplicate(node), "Ctrl+D"),
+        change(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
         button(icons.copy, "copy", "Copy the pose as builder code", () => void this.copy()),
         camera && button(icons.camera, "picture", "Show the picture of the camera", () => this.images.toggle(name), "V"),
       ),

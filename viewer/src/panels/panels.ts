@@ -53,7 +53,7 @@ export class Panels {
     this.layers = new Layers(connection, stage, components, watching, app.world);
     this.images = new Images(connection, components, watching, app.session);
     this.plots = new PlotsPanel(components, watching, app.session, () => shell.show("bottom"), (text) => toasts.show(text));
-    this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node), (node) => void this.editor.delete(node.name));
+    this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node), (node) => void this.editor.delete(node.name), (node) => void this.editor.duplicate(node.name), app.seat.drives);
     this.mover = new Mover(stage, connection, (node, { position, quaternion }, first) => void this.object.teleport(node, position, quaternion, first));
     this.mover.running = () => app.poses.value?.running ?? false;
     app.navigation.claims = (event) => this.mover.claims(event);
@@ -183,6 +183,8 @@ export class Panels {
     shortcuts.add("Page", ["n", "N"], "N", "move: translate or rotate", () => this.mover.turn());
     shortcuts.add("Page", ["Delete"], "Del", "delete the selection", () => void this.editor.delete(app.components.selected.value));
     shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo a change of the scene", () => void this.editor.undo());
+    shortcuts.add("Page", ["Ctrl+y", "Ctrl+Z"], "Ctrl+Y", "make a change again that was undone", () => void this.editor.redo());
+    shortcuts.add("Page", ["Ctrl+d"], "Ctrl+D", "duplicate the selection", () => void this.editor.duplicate(app.components.selected.value));
     shortcuts.add("Page", ["Ctrl+s"], "Ctrl+S", "save the scene", () => void this.editor.save());
     shortcuts.add("Page", ["x", "X"], "X", "screenshot", () => this.capture.picture());
     shortcuts.add("Page", ["Escape"], "Esc", "select nothing", () => this.escape());

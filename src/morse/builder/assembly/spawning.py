@@ -1,10 +1,15 @@
-"""Describes a robot or an object that is spawned in a running scene."""
+r"""Describes a robot, an object or a component that is spawned in a running scene.
+
+A kind may be followed by lines, each of which is the call of a method of the builder, with plain values:
+``VideoCamera\nfrequency(10)\nalter('Noise', pos_std=0.1)``.
+"""
 
 from __future__ import annotations
 
+import ast
 import re
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,20 +17,27 @@ from morse.builder import workspace
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.finalise import declare
 from morse.builder.components.passive import PassiveObject
-from morse.builder.components.robot import Robot, WheeledRobot
-from morse.builder.creator import ComponentCreator
+from morse.builder.components.robot import Robot, WheeledRobot, connect
+from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.environment.environment import connect_by_default
 from morse.builder.errors import checks
 from morse.builder.names import naming
+from morse.builder.names.part import Strength
+from morse.builder.objects import SceneObject
 from morse.builder.own_classes import own_class
+from morse.core.declarations import properties
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError, MorseError
-from morse.core.reports.quoting import short
+from morse.core.reports.quoting import nearest, short
+from morse.core.validation.fields import checked_value
 from morse.helpers.descriptions import is_description
+from morse.scene import Node
+from morse.scene.realism import RealismModel
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from morse.scene import ComponentDeclaration, ModelUse, Node
+    from morse.builder.workspace import Workspace
+    from morse.scene import ComponentDeclaration, ModelUse
 
 
 _SUFFIXES = {"robot": ".urdf", "sdf": ".sdf", "mujoco": ".xml"}
@@ -83,18 +95,195 @@ def describe_newcomer(
         if isinstance(newcomer, WheeledRobot):
             newcomer.unparent_wheels()
         naming.rename_all()
-        # the names of the parts follow from that of the whole only: what is there when it comes differs in another
-        # process, in which a state is restored or a recording repeated
-        for node in list(described.nodes()):
-            if node.name != name and not node.name.startswith(f"{name}."):
-                node.source_name = node.source_name or node.name
-                described.rename(node, f"{name}.{node.name}")
+        for root in described.roots:
+            _name_parts(described, root, name)
         if isinstance(newcomer, Robot):
             for interface in interfaces:
                 newcomer.add_default_interface(interface)
             connect_by_default(newcomer)
         parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
         complete = Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
+        return _checked(complete, present)
+
+
+CALLS = ("properties", "frequency", "level", "noise", "delay", "phase", "alter", "add_stream")
+"""The methods of components that a kind may call."""
+
+#: names of modifiers and middlewares: class paths may be those of any code
+_PLAIN_NAME = re.compile(r"\w+")
+_MOST_CALLS = 100
+
+
+def split_kind(kind: str) -> tuple[str, list[str]]:
+    """The kind itself, and its lines with calls."""
+    if is_description(kind):
+        return kind, []
+    name, *calls = kind.split("\n")
+    return name, [call for call in calls if call]
+
+
+def call_text(method: str, values: Mapping[str, object]) -> str:
+    """A call as text: ``alter('Noise', pos_std=0.1)``; a value with an empty name stands alone."""
+    words = [f"{name}={value!r}" if name else repr(value) for name, value in values.items()]
+    return f"{method}({', '.join(words)})"
+
+
+def _configure(component: AbstractComponent, calls: Sequence[str]) -> None:
+    """Call methods of a component, as the lines of a kind say, which may be those of a client.
+
+    Raises:
+        MorseBuilderError: a line is not such a call, or the method refuses the values.
+    """
+    if len(calls) > _MOST_CALLS:
+        raise MorseBuilderError(f"a component gets at most {_MOST_CALLS} calls, not {len(calls)}")
+    for line in calls:
+        method, arguments, values = _parsed(line)
+        if method == "properties":
+            _check_properties(component, values)
+        elif method in ("alter", "add_stream"):
+            name, options = (*arguments, None)[0], set(values) & {"classpath", "method", "path"}
+            if not isinstance(name, str) or not _PLAIN_NAME.fullmatch(name) or options or len(arguments) > 1:
+                raise MorseBuilderError(f"{method} takes the name of one that is installed, not {short(line)}")
+        function = getattr(component, method, None) if method in CALLS else None
+        if function is None:
+            what = type(component).__name__
+            raise MorseBuilderError(f"'{short(line)}' is no setting of {what}{nearest(method, CALLS)}")
+        try:
+            function(*arguments, **values)
+        except (TypeError, ValueError) as error:
+            raise MorseBuilderError(f"{short(line)}: {error}") from None
+
+
+def _parsed(line: str) -> tuple[str, list[object], dict[str, object]]:
+    """Method and values of a call."""
+    try:
+        call = ast.parse(line, mode="eval").body
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
+            words = [(word.arg, ast.literal_eval(word.value)) for word in call.keywords]
+            values = {name: value for name, value in words if name is not None}
+            if len(values) == len(words):
+                return call.func.id, [ast.literal_eval(one) for one in call.args], values
+    except (ValueError, SyntaxError, TypeError, RecursionError, MemoryError):
+        pass
+    raise MorseBuilderError(f"expected a call with plain values, such as frequency(10), not '{short(line)}'")
+
+
+def _check_properties(component: AbstractComponent, values: Mapping[str, object]) -> None:
+    """Check properties as those that clients set: files, for example, are for scripts only."""
+    known = {one.name: one for one in properties(component.component_class() or object).values()}
+    for name, value in values.items():
+        if name not in known:
+            raise MorseBuilderError(f"{type(component).__name__} has no property '{short(name)}'{nearest(name, known)}")
+        checked_value(type(component).__name__, known[name], value)
+
+
+def component_again(declaration: ComponentDeclaration) -> AbstractComponent:
+    """A component like one that has left a running scene, for the current scene of the builder.
+
+    Raises:
+        MorseBuilderError: it consists of several components.
+    """
+    node = _copy(declaration.node)
+    workspace.current().add(node)
+    creator = SensorCreator if declaration.kind == "sensor" else ActuatorCreator
+    component = creator(
+        action=ComponentCreator.LINK_EXISTING_OBJECT, blendobject=node.name, classpath=declaration.classpath
+    )
+    component.scene_node.properties = dict(declaration.node.properties)
+    component._frequency, component._level = declaration.frequency, declaration.level
+    component._streams, component._managers = [*declaration.streams], [*declaration.managers]
+    component._modifiers, component._overlays = [*declaration.modifiers], [*declaration.overlays]
+    component._where = declaration.where
+    realism = declaration.options.get("realism")
+    if isinstance(component, SensorCreator) and isinstance(realism, RealismModel):
+        component._realism = realism
+    return component
+
+
+def _copy(node: Node) -> Node:
+    twin = replace(
+        node,
+        parent=None,
+        children=[],
+        location=[*node.location],
+        rotation_euler=[*node.rotation_euler],
+        properties=dict(node.properties),
+    )
+    for child in node.children:
+        below = _copy(child)
+        below.parent = twin
+        twin.children.append(below)
+    return twin
+
+
+def _name_parts(described: Workspace, top: Node, name: str) -> None:
+    """Give the parts of what comes names that follow from its own name only.
+
+    What is there when it comes differs in another process, in which a state is restored or a recording repeated.
+    """
+    for node in list(top.walk()):
+        if node.name != name and not node.name.startswith(f"{name}."):
+            node.source_name = node.source_name or node.name
+            described.rename(node, f"{name}.{node.name}")
+
+
+class _Carrier(AbstractComponent):
+    """Stands for the robot of a running scene to which a component is attached."""
+
+    _kind = "robot"
+
+    def __init__(self, name: str) -> None:
+        node = Node(name)
+        workspace.current().add(node)
+        super().__init__(SceneObject(node))
+        self.basename, self.name_strength = name, Strength.GIVEN
+
+
+def describe_component(
+    name: str,
+    make: Callable[[], object],
+    calls: Sequence[str],
+    position: Sequence[float],
+    rotation: Sequence[float],
+    present: Iterable[Node],
+    interfaces: Iterable[str],
+) -> Newcomer:
+    """Return the sensor or the actuator that a function of the builder describes, for a robot of a running scene.
+
+    Args:
+        name: name of the robot, a dot, and a word: ``robot.camera``.
+        make: function that returns a sensor or an actuator; or a complete newcomer, which keeps its pose.
+        calls: calls of its methods, see `split_kind`.
+        position: x, y, z in the frame of the robot, m.
+        rotation: roll, pitch, yaw, rad.
+        present: nodes of the running scene; what comes has none of their names.
+        interfaces: names of the middlewares to which it is connected.
+
+    Raises:
+        MorseBuilderError: the function returns something else, or the name already exists.
+    """
+    with workspace.described() as described:
+        component = make()
+        if isinstance(component, Newcomer):
+            return _checked(component, present)
+        if not isinstance(component, AbstractComponent) or component._kind not in ("sensor", "actuator"):
+            raise MorseBuilderError(
+                f"'{short(name)}': expected a sensor or an actuator of morse.builder, such as Pose(), not "
+                f"{checks.shown(component)}"
+            )
+        robot, _, component.name = name.rpartition(".")
+        component.location = list(position)
+        component.rotation_euler = list(rotation)
+        carrier = _Carrier(robot)
+        carrier.append(component)
+        _configure(component, calls)
+        naming.rename_all()
+        for interface in interfaces:
+            connect(carrier, interface)
+        _name_parts(described, component.scene_node, name)
+        parts = [part for part in component._walk() if part.is_morseable()]
+        complete = Newcomer([component.scene_node], [declare(part) for part in parts], list(described.models))
+        described.detach(component.scene_node)
         return _checked(complete, present)
 
 

@@ -300,7 +300,7 @@ def _set_opacity(node: Node, alpha: float, copies: dict[Material, Material]) -> 
     node.materials[:] = [None if material is None else copies[material] for material in slots]
 
 
-def connect(robot: Robot, interface: str) -> None:
+def connect(robot: AbstractComponent, interface: str) -> None:
     """Connect the components of a robot to a middleware, except those that are already connected."""
     for component in robot._walk():
         if component.is_morseable() and not component.is_robot:

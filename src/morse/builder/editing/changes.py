@@ -9,7 +9,7 @@ Triple = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Addition:
-    """A robot, an object or a sensor that was added.
+    """A robot, an object or a component of a robot that was added.
 
     Attributes:
         name: in the scene, without the name of the robot; also the variable of the script, so that it is a free one.
@@ -17,8 +17,9 @@ class Addition:
             ``#`` and the name of an object of it.
         position: in the world, or on the robot, m.
         angles: Euler angles XYZ, rad.
-        robot: name of the robot of a sensor; empty for others.
+        robot: name of the robot of a component; empty for others.
         own_position, own_angles: the pose that the builder gives to such an object.
+        calls: of its methods, as text: ``frequency(10)``.
     """
 
     name: str
@@ -28,6 +29,12 @@ class Addition:
     robot: str = ""
     own_position: Triple = (0.0, 0.0, 0.0)
     own_angles: Triple = (0.0, 0.0, 0.0)
+    calls: tuple[str, ...] = ()
+
+    @property
+    def scene_name(self) -> str:
+        """Its name in the scene."""
+        return f"{self.robot}.{self.name}" if self.robot else self.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +60,14 @@ class Changes:
     Attributes:
         additions: in the order in which they were made.
         moves: of objects that exist when the script is run.
-        deletions: names of root objects, with the names of the objects below each.
+        deletions: names of root objects, with the names of the objects below each, and of components.
+        calls: of methods of components that exist when the script is run, by the name of the component.
     """
 
     additions: list[Addition] = field(default_factory=list)
     moves: list[Move] = field(default_factory=list)
     deletions: dict[str, list[str]] = field(default_factory=dict)
+    calls: dict[str, list[str]] = field(default_factory=dict)
 
 
 class UnwritableError(ValueError):

@@ -46,12 +46,15 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
             _place_by_name(source, move)
     for root, below in changes.deletions.items():
         _check_words(source, root)
-        variable = by_name.get(root)
+        variable, mounting = _of_component(root, by_name, by_variable) if "." in root else (by_name.get(root), None)
         parts = [] if variable is None or not variable.is_certain else _with_its_parts(variable, by_variable)
         if parts and all(part.is_plain() for part in parts):
-            _delete(source, parts)
+            _delete(source, parts, [] if mounting is None else [mounting])
         else:
             _delete_by_name(source, root, below)
+    for name_in_scene, calls in changes.calls.items():
+        if name_in_scene not in changes.deletions:
+            _call_methods(source, name_in_scene, calls, by_name, by_variable)
     robots = {name: variable.name for name, variable in by_name.items()}
     robots |= {addition.name: addition.name for addition in changes.additions}
     paragraphs = [_lines_of(source, addition, robots) for addition in changes.additions]
@@ -95,14 +98,52 @@ def _lines_of(source: Source, addition: Addition, robots: dict[str, str]) -> lis
     shift = [new - old for new, old in zip(addition.position, addition.own_position, strict=True)]
     turn = [new - old for new, old in zip(addition.angles, addition.own_angles, strict=True)]
     lines += [*_call(name, "translate", shift), *_call(name, "rotate", turn)]
+    lines += [f"{name}.{call}" for call in addition.calls]
     if addition.robot:
         if addition.robot not in robots:
             raise UnwritableError(
-                f"{source.name} does not assign the robot '{addition.robot}' to a variable of its own: add the sensor "
-                "by hand"
+                f"{source.name} does not assign the robot '{addition.robot}' to a variable of its own: add the "
+                "component by hand"
             )
         lines.append(f"{robots[addition.robot]}.append({name})")
     return lines
+
+
+# -- components of robots -----------------------------------------------------------------------
+
+
+def _of_component(
+    name: str, by_name: dict[str, Variable], by_variable: dict[str, Variable]
+) -> tuple[Variable | None, ast.Expr | None]:
+    """The variable of ``robot.camera``, and the statement that attaches it, and nothing else, to its robot."""
+    robot, _, word = name.rpartition(".")
+    owner = by_name.get(robot)
+    for statement in owner.calls if owner is not None else ():
+        call = statement.value
+        assert isinstance(call, ast.Call)
+        if name_of(call.func).rpartition(".")[2] not in ("append", "add_sensors"):
+            continue
+        words = [node.id for argument in call.args for node in ast.walk(argument) if isinstance(node, ast.Name)]
+        found = next((by_variable[one] for one in words if one in by_variable), None)
+        if found is not None and found.scene_name == word and len(words) == len(call.args) == 1 and not call.keywords:
+            return found, statement
+    return None, None
+
+
+def _call_methods(
+    source: Source,
+    name: str,
+    calls: Sequence[str],
+    by_name: dict[str, Variable],
+    by_variable: dict[str, Variable],
+) -> None:
+    variable = _of_component(name, by_name, by_variable)[0] if "." in name else by_name.get(name)
+    if variable is None or not variable.class_name:
+        raise UnwritableError(
+            f"{source.name} does not assign '{name}' to a variable of its own: write {', '.join(calls)} by hand"
+        )
+    last = max(variable.own(), key=lambda statement: source.place(statement).at)
+    source.insert_after(last, [f"{variable.name}.{call}" for call in calls])
 
 
 def _quoted(source: Source, text: str) -> str:
@@ -324,7 +365,7 @@ def _delete_by_name(source: Source, root: str, below: list[str]) -> None:
 
 def _check_words(source: Source, root: str) -> None:
     """Raise an error if the script refers to a deleted robot, or to what is on it, in words: ``"robot.pose.x"``."""
-    part = re.compile(re.escape(root) + r"\.[^\W\d]")
+    part = re.compile(re.escape(root) + (r"(\.|$)" if "." in root else r"\.[^\W\d]"))
     for node in ast.walk(source.tree):
         shows = isinstance(node, ast.Call) and name_of(node.func).endswith(".show")
         for word in ast.walk(node) if shows else (node,):
@@ -352,8 +393,8 @@ def _with_its_parts(variable: Variable, by_variable: dict[str, Variable]) -> lis
     return [*parts.values()]
 
 
-def _delete(source: Source, parts: list[Variable]) -> None:
-    statements = {id(statement): statement for part in parts for statement in part.own()}
+def _delete(source: Source, parts: list[Variable], mounting: Sequence[ast.stmt] = ()) -> None:
+    statements = {id(one): one for one in (*mounting, *(one for part in parts for one in part.own()))}
     for part in parts:
         lines = [statement.lineno for statement in part.foreign if id(statement) not in statements]
         lines += [] if part.foreign_line is None else [part.foreign_line]

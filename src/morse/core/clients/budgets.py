@@ -332,6 +332,14 @@ class SensingBudget:
             if pixels := _rate(component):
                 self._granted[component] = pixels
 
+    def allowance(self, component: Sensing) -> float:
+        """Pixels per second that are allowed for a component because of the script."""
+        return self._granted.get(component, 0.0)
+
+    def allow(self, component: Sensing, pixels: float) -> None:
+        """Allow as much for a component that takes the place of one of the script."""
+        self._granted[component] = pixels
+
     def replace(self, before: Sensing, after: Sensing) -> None:
         """A component takes the place of another one, because its class was edited."""
         if before in self._granted:

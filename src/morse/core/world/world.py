@@ -85,7 +85,12 @@ class World(WorldPoses, Protocol):
     def physics_of_1_4(self) -> bool:
         """Whether robots are as slow as in the engine of MORSE 1.4."""
 
-    def add(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration] = ()) -> Sequence[Body]:
+    def add(
+        self,
+        roots: Sequence[Node],
+        components: Sequence[ComponentDeclaration] = (),
+        carrier: Node | None = None,
+    ) -> Sequence[Body]:
         """Add nodes, with all nodes below them, while the simulation runs.
 
         The model is recompiled. Existing bodies keep their state and their objects.
@@ -93,6 +98,7 @@ class World(WorldPoses, Protocol):
         Args:
             roots: nodes without a parent, with computed collision shapes; they are added at the end of the scene.
             components: the declarations of their components; the declarations of robots determine how they move.
+            carrier: the node to which they are attached, with the same relative poses; None for the world.
 
         Returns:
             The objects of all added nodes.

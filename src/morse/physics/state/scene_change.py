@@ -36,8 +36,13 @@ class SceneChange:
 
         self._undo.append(restore)
 
-    def add(self, roots: Sequence[Node], components: Iterable[ComponentDeclaration]) -> None:
+    def add(
+        self, roots: Sequence[Node], components: Iterable[ComponentDeclaration], carrier: Node | None = None
+    ) -> None:
         """Add nodes without parents, with all nodes below them, and declarations of components.
+
+        Args:
+            carrier: the node of the scene to which they are attached, with the same relative poses; None for the world.
 
         Raises:
             ValueError: a name already exists, or a node has a parent.
@@ -48,8 +53,19 @@ class SceneChange:
                     f"'{root.name}' is attached to '{root.parent.name}': only nodes without a parent can be added"
                 )
         self._demand_new_names([node for root in roots for node in root.walk()], {n.name for n in self.scene.nodes()})
-        self.scene.roots.extend(roots)
+        if carrier is None:
+            self.scene.roots.extend(roots)
+        else:
+            for root in roots:
+                self.attach(root, carrier)
         self.scene.components.extend(components)
+
+    def attach(self, node: Node, parent: Node, place: int | None = None) -> None:
+        """Attach a node without a parent to another node; ``place`` is its number among the children there."""
+        self._remember(parent.children)
+        self._parents.append((node, node.parent))
+        parent.children.insert(len(parent.children) if place is None else place, node)
+        node.parent = parent
 
     @staticmethod
     def _demand_new_names(nodes: Iterable[Node], names: set[str]) -> None:

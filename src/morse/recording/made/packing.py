@@ -100,7 +100,8 @@ class Packing:
         return form.NodeForm(
             name=node.name,
             kind=node.kind,
-            parent=-1 if node.parent is None else self._places[node.parent],
+            # the robot that carries a component is described elsewhere
+            parent=-1 if node.parent is None else self._places.get(node.parent, -1),
             location=_triple(node.location),
             rotation_euler=_triple(node.rotation_euler),
             scale=_triple(node.scale),

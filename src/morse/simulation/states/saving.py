@@ -408,10 +408,10 @@ class Saving:
         there = check_population(check.part("population", state.parts["population"], {}))
         population = self._simulation.population
         everybody, launch = population.names_at_launch([]), population.names_at_launch(there["gone"])
-        fits = set(there["gone"]) <= set(population.roots_at_launch())
+        fits = set(there["gone"]) <= {*population.roots_at_launch(), *population.components_at_launch()}
         # an object that was spawned after the deletion of another one may have its name, and names of its parts
         came, stayed = {name for name, *_ in there["came"]}, set(launch)
-        of_launch = [name for name in everybody if name in stayed or name.partition(".")[0] not in came]
+        of_launch = [name for name in everybody if name in stayed or came.isdisjoint((name, name.partition(".")[0]))]
         if not fits or [name for name in of_launch if name in state.parts] != launch:
             self._compare(state, dict.fromkeys([*launch, *(name for name, _ in self._own_holders())]))
             raise StateError(

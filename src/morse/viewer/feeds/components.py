@@ -8,24 +8,38 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING
 
+from morse.builder.creator import SensorCreator
+from morse.builder.names.catalog import modifier_classes
 from morse.core.actuator import Actuator
-from morse.core.declarations import fields_of_component, properties
+from morse.core.classes.classpath import load_class
+from morse.core.declarations import fields_of_component, levels, properties
 from morse.core.rows.lazy_data import known_data, present_data
 from morse.core.services import signature_of
+from morse.middleware.registry import installed
 from morse.viewer.description import (
     ArgumentDescription,
     ComponentDescription,
     FieldDescription,
     PropertyDescription,
     ServiceDescription,
+    SettingDescription,
 )
-from morse.viewer.view_messages import Activity, Capturing, DebugProperties, DebugProperty, PropertyValue, Values
+from morse.viewer.view_messages import (
+    Activity,
+    Capturing,
+    ComponentSettings,
+    DebugProperties,
+    DebugProperty,
+    PropertyValue,
+    Values,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
+    from morse.core.declarations import Option
     from morse.core.interfaces import Component, Offering
     from morse.core.object import Object
     from morse.core.sensor import Sensor
@@ -107,6 +121,85 @@ def _component(component: Component, kind: str, robot: str) -> ComponentDescript
         ],
         services=_services(component),
     )
+
+
+#: methods that set up a sensor, whose arguments are read from their signatures, and the units of these
+_REALISM = ("noise", "delay", "phase")
+_UNITS = {"seconds": "s"}
+
+
+def settings_of(
+    simulation: Simulation, name: str, own: Iterable[tuple[str, Mapping[str, object]]]
+) -> ComponentSettings | None:
+    """How a sensor or an actuator can be set up; None if there is none of that name.
+
+    Args:
+        own: methods and arguments of what pages have called.
+    """
+    declaration = next((d for d in simulation.scene.components if d.name == name), None)
+    component = simulation.context.components.get(name)
+    if declaration is None or component is None or declaration.kind not in ("sensor", "actuator"):
+        return None
+    cls = load_class(declaration.classpath)
+    rate = PropertyDescription("", "float", "", component.frequency, unit="Hz", low=0.0)
+    settings = [SettingDescription("frequency", "", "how often it measures or acts", [rate])]
+    if choices := levels(cls):
+        doc = "; ".join(f"{level}: {entry.doc}" for level, entry in choices.items())
+        level = PropertyDescription("", "str", doc, component.level, [*choices])
+        settings.append(SettingDescription("level", "", "level of abstraction", [level]))
+    if declaration.kind == "sensor":
+        settings += [_realism(method) for method in _REALISM]
+    names = {base.__name__ for base in cls.__mro__}
+    modifiers = {
+        modifier: next(path for base, path in classes.items() if base in names)
+        for modifier, classes in sorted(modifier_classes().items())
+        if not names.isdisjoint(classes)
+    }
+    settings += [_modifier(modifier, path) for modifier, path in modifiers.items()]
+    direction = "OUT" if declaration.kind == "sensor" else "IN"
+    middlewares = [one for one in installed().values() if one.stream_of(cls, direction) is not None]
+    settings += [
+        SettingDescription("add_stream", one.name, one.missing or one.purpose, _options(one.stream_options or {}))
+        for one in middlewares
+    ]
+    mine = [(method, str(values.get("", "")) if method in ("alter", "add_stream") else "") for method, values in own]
+    names_of = {path: modifier for modifier, path in modifiers.items()}
+    managers = {one.stream_manager: one.name for one in middlewares}
+    scripted = [("alter", names_of.get(one.classpath, one.classpath)) for one in declaration.modifiers]
+    scripted += [("add_stream", managers.get(one.manager, one.manager)) for one in declaration.streams]
+    return ComponentSettings(name, settings, mine, [one for one in scripted if one not in mine])
+
+
+def _realism(method: str) -> SettingDescription:
+    function = getattr(SensorCreator, method)
+    arguments = [
+        PropertyDescription(
+            p.name, "str" if p.name == "field" else "float", value=None if p.default is p.empty else p.default,
+            unit=_UNITS.get(p.name, ""),
+        )
+        for p in list(inspect.signature(function).parameters.values())[1:]
+    ]  # fmt: skip
+    return SettingDescription(method, "", (inspect.getdoc(function) or "").partition("\n")[0], arguments)
+
+
+def _modifier(name: str, classpath: str) -> SettingDescription:
+    cls = load_class(classpath)
+    return SettingDescription("alter", name, inspect.getdoc(cls) or "", _options(getattr(cls, "options", {})))
+
+
+def _options(options: Mapping[str, Option]) -> list[PropertyDescription]:
+    return [
+        PropertyDescription(
+            name,
+            " or ".join(one.__name__ for one in (option.type if isinstance(option.type, tuple) else (option.type,))),
+            option.doc,
+            option.default,
+            list(option.choices) or None,
+            option.unit,
+            *_bounds(option),
+        )
+        for name, option in options.items()
+    ]
 
 
 def _bounds(declaration: object) -> tuple[float | None, float | None]:

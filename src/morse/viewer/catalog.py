@@ -1,0 +1,107 @@
+"""The models that the page offers, with their pictures, which another process draws."""
+
+from __future__ import annotations
+
+import base64
+import json
+import logging
+import queue
+import subprocess
+import threading
+from typing import IO, TYPE_CHECKING, Any
+
+from morse.core.clients.complaints import Complaints
+from morse.core.reports.quoting import short
+from morse.system.workers import command
+from morse.viewer.view_messages import Model, ModelPicture, Models, Refused
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.viewer.server import ViewServer
+
+_PROGRAM = "morse.launch.model_pictures"
+#: maximum number of bytes of a line that classes of the project print
+_LONGEST_LINE = 400
+
+logger = logging.getLogger("morse.viewer")
+
+
+class Catalog:
+    """Lists models when a page asks for them first.
+
+    What the classes of the project print in the other process is logged.
+
+    Args:
+        folders: of the models of the project.
+        sources: folders of its packages.
+
+    Attributes:
+        groups: the group of each kind: ``robots``, ``sensors``, or another one for objects.
+    """
+
+    def __init__(self, server: ViewServer, folders: Sequence[str], sources: Sequence[str] = ()) -> None:
+        self._server = server
+        self._arguments = [json.dumps([*paths]) for paths in (folders, sources)]
+        self._process: subprocess.Popen[bytes] | None = None
+        self._lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        self._printed = ""
+        self._complaints = Complaints(logger)
+        self.groups: dict[str, str] = {}
+
+    def open(self) -> None:
+        """Start to list the models, unless that has been done.
+
+        Raises:
+            OSError: the process cannot be started.
+        """
+        if self._process is not None and (self.groups or self._process.poll() is None):
+            return
+        self._process = process = subprocess.Popen(
+            command(_PROGRAM, *self._arguments),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        assert process.stdout is not None
+        assert process.stderr is not None
+        for name, read in (("models", self._read), ("what models print", self._log)):
+            stream = process.stdout if read == self._read else process.stderr
+            threading.Thread(target=read, args=[process, stream], name=name, daemon=True).start()
+
+    def _read(self, process: subprocess.Popen[bytes], stream: IO[bytes]) -> None:
+        for line in stream:
+            self._lines.put(line)
+        if process.wait() > 0:
+            self._lines.put(b"")
+
+    def _log(self, process: subprocess.Popen[bytes], stream: IO[bytes]) -> None:
+        while line := stream.readline(_LONGEST_LINE):
+            if text := short(line.decode(errors="replace").rstrip(), _LONGEST_LINE):
+                self._printed = text
+                self._complaints.log(logging.INFO, text, f"the list of models: {text}")
+
+    def update(self) -> None:
+        """Send the pages what has been drawn."""
+        while not self._lines.empty():
+            line = self._lines.get()
+            if line:
+                self._take(json.loads(line))
+            else:
+                text = f"The list of models is not complete: its process has failed. {self._printed}".rstrip()
+                self._complaints.warn("failed", text)
+                self._server.send(Refused("list_models", text))
+
+    def _take(self, content: Any) -> None:
+        if isinstance(content, list):
+            models = [Model(**one) for one in content]
+            self.groups = {model.kind: model.group for model in models}
+            self._server.send(Models(models))
+        else:
+            url = self._server.offer("pictures", "image/webp", base64.b64decode(content["picture"]))
+            self._server.send(ModelPicture(content["kind"], url))
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process is not None and self._process.poll() is None:
+            self._process.terminate()
