@@ -163,6 +163,8 @@ def _is_json(stand: ContractWorld, lines: list[bytes]) -> Iterator[Fault]:
     fields = fields_of_component(stand.component)
     values: dict[str, float] = {}
     for line in lines:
+        if b"NaN" not in line and b"Infinity" not in line:
+            continue  # most lines are of finite numbers, and those of lidars are long
         for name, value in json.loads(line).items():
             allow = fields[name].allow if name in fields else ()
             for number in _numbers(value):
