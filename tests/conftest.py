@@ -30,7 +30,7 @@ except ImportError:  # Windows
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-pytest_plugins = ["morse.testing.fixtures"]
+pytest_plugins = ["morse.testing.fixtures", "tests.kit.scenes"]
 
 CHROMIUM = os.environ.get("MORSE_CHROMIUM", "/usr/bin/chromium")
 FLAGS = [
@@ -54,7 +54,7 @@ _QUICK_FOLDERS = (
     "sensors",
 )  # fmt: skip
 #: what a file of tests contains that starts other programs
-_OTHER_PROGRAMS = re.compile(r"\b(subprocess|Popen|pexpect|SimulationProcess)\b")
+_OTHER_PROGRAMS = re.compile(r"\b(subprocess|Popen|pexpect|SimulationProcess|kit\.programs)\b")
 _NOT_QUICK = ("long", "slow", "soak", "browser", "blender")
 
 #: domains of ROS with ports below the ephemeral ports of the system; 0 is that of the person
@@ -283,7 +283,7 @@ def browser() -> Iterator[Browser]:
         yield made
         made.close()
         # Playwright waits without a timeout for the end of its driver, which sometimes does not end
-        late = threading.Timer(20.0, _end_drivers)
+        late = threading.Timer(5.0, _end_drivers)
         late.daemon = True
         late.start()
     late.cancel()

@@ -15,12 +15,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from test_abuse_lines import garbage
-from test_abuse_other_ports import _free_port, harass
+from test_abuse_other_ports import harass
 from victims import SCENE, Victim
 from wire import HZ, Footprint, Line, Witness, drained
 
 from morse.testing.process import SimulationProcess
-from tests.waiting import wait_until
+from tests.kit.programs import free_port
+from tests.kit.waiting import wait_until
 
 Start = Callable[..., SimulationProcess]
 
@@ -58,7 +59,7 @@ def pour(port: int, lines: int, seed: int) -> None:
 
 
 def malformed_everywhere(start: Start, lines: int) -> dict[str, float]:
-    sync = _free_port()
+    sync = free_port()
     scene = SCENE + f"env.configure_stream_manager('socket', time_sync=True, sync_port={sync})\n"
     process = start(scene, "--view-port", "0", "--no-browser", "--speed", "5")
     victim = Victim(process)

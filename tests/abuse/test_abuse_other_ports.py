@@ -3,7 +3,6 @@
 import contextlib
 import random
 import re
-import socket
 import threading
 import urllib.request
 from collections.abc import Callable
@@ -13,6 +12,7 @@ from victims import SCENE, Victim
 from wire import Line, Witness
 
 from morse.testing.process import SimulationProcess
+from tests.kit.programs import free_port
 
 Start = Callable[..., SimulationProcess]
 
@@ -57,7 +57,7 @@ def test_much_garbage_on_the_port_of_the_view(start: Start) -> None:
 
 def test_a_flood_on_the_port_that_paces_the_simulation(start: Start) -> None:
     """It can only advance the simulation: any byte allows one tick, and many at once allow no more."""
-    port = _free_port()
+    port = free_port()
     scene = SCENE + f"env.configure_stream_manager('socket', time_sync=True, sync_port={port})\n"
     process = start(scene, "--headless", "--speed", "max")
     victim = Victim(process)
@@ -78,8 +78,3 @@ def test_a_flood_on_the_port_that_paces_the_simulation(start: Start) -> None:
         for pourer in pourers:
             pourer.join()
     process.stop()
-
-
-def _free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        return int(probe.getsockname()[1])

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.helpers.inverse_kinematics import Target, reach
 from pymorse import MorseServiceFailed
+from tests.kit.effort import examples
 
 PICKER = Path(__file__).parents[2] / "examples" / "joints" / "picker.urdf"
 SCENE = f"""

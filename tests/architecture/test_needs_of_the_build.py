@@ -1,8 +1,8 @@
 """A build imports parts of the package before the dependencies of the package are installed."""
 
-import subprocess
-import sys
 from pathlib import Path
+
+from tests.kit.programs import python
 
 SOURCES = Path(__file__).resolve().parents[2] / "src"
 BUILD = """
@@ -21,8 +21,6 @@ print(typescript())
 
 
 def test_the_types_of_the_page_are_made_with_the_requirements_of_the_build_alone() -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", BUILD], cwd=SOURCES, capture_output=True, text=True, timeout=60, check=False
-    )
+    done = python("-c", BUILD, folder=SOURCES)
     assert done.returncode == 0, done.stderr
     assert "export " in done.stdout

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.kit.programs import python
+
 TESTS = Path(__file__).resolve().parents[1]
 INTERRUPTED = """
 import os, signal
@@ -130,7 +132,7 @@ def test_each_run_of_tests_has_ports_that_no_program_uses() -> None:
 
 
 def test_children_can_be_interrupted() -> None:
-    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, timeout=60, check=False)
+    done = python("-c", INTERRUPTED)
     assert done.stdout == "interrupted\n"
 
 

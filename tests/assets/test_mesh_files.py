@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import morse
-from effort import examples
 from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.builder import Environment, FakeRobot, PassiveObject
+from tests.kit.effort import examples
 
 CHEQUERED = {(255, 0, 255), (255, 255, 255)}
 FORMATS = ("glb", "obj", "stl", "ply")

@@ -1,8 +1,6 @@
 """Collision shapes are kept on disk, for the next process."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +13,7 @@ from morse.assets.cache import Cache
 from morse.assets.shape_cache import ShapeCache
 from morse.assets.solids import cube
 from morse.scene import BodySettings, CollisionShape, Mesh, Node, NodeKind, PhysicsType, Scene, ShapeKind
+from tests.kit.programs import python
 
 #: a box without its lid: neither a primitive nor convex
 _OPEN = cube()
@@ -153,7 +152,5 @@ def test_shapes_are_the_same_in_another_process(monkeypatch):
         "c._parts = None\n"
         "with pytest.MonkeyPatch.context() as patch: print(t.bits(t.shapes(patch)))\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=Path(__file__).parent, capture_output=True, text=True, check=False
-    )
+    done = python("-c", program, folder=Path(__file__).parent)
     assert done.stdout.strip() == str(bits(first)), done.stderr

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.builder import workspace
 from morse.builder.assembly.spawning import component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
@@ -20,6 +19,7 @@ from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
 from morse.mathutils import Euler
 from morse.simulation.options import RunOptions
+from tests.kit.effort import examples
 
 #: what users write: literals, expressions, keywords, assignments, loops, names, several calls, no call
 BODIES = [

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from test_editing import NEW, poses, same
 
 import morse
-from effort import examples
 from morse.builder import workspace
 from morse.builder.assembly.spawning import component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
@@ -22,6 +21,7 @@ from morse.builder.editing.writing import changed_script, variable_name
 from morse.builder.script import load_scene
 from morse.simulation.options import RunOptions
 from morse.system.source_text import encoded_source
+from tests.kit.effort import examples
 
 DEMOS = Path(morse.__file__).parent / "data" / "examples"
 CRATE = 'PassiveObject("props/crates", object_name="small_crate")'

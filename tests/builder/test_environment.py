@@ -8,7 +8,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.assets import AssetNotFoundError
 from morse.builder import (
     Environment,
@@ -24,6 +23,7 @@ from morse.builder import (
 from morse.builder.assembly.finalise import build_scene
 from morse.middleware import registry
 from morse.scene import Mist, Scene
+from tests.kit.effort import examples
 
 SERVICES = "morse.middleware.socket_request_manager.SocketRequestManager"
 STREAMS = "morse.middleware.socket_datastream.SocketDatastreamManager"

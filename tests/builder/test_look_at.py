@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.builder import ATRV, DepthCamera, Environment, SemanticCamera, VideoCamera
 from morse.mathutils import Euler
+from tests.kit.effort import examples
 
 NUMBER = st.floats(-20.0, 20.0)
 

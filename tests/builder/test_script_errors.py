@@ -12,12 +12,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import morse
-from effort import examples
 from morse.builder import workspace
 from morse.builder.script import ScriptError, is_loading, load_scene
 from morse.middleware import registry
 from morse.scene import Scene
 from morse.simulation.options import RunOptions
+from tests.kit.effort import examples
 
 Load = Callable[..., Scene]
 

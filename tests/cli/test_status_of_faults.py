@@ -14,6 +14,7 @@ import yaml
 from morse.simulation.ending import FAULTS
 from morse.testing.process import SimulationProcess
 from pymorse import Morse
+from tests.kit.programs import python
 
 pytestmark = pytest.mark.long
 
@@ -271,9 +272,7 @@ sys.exit(run(options, ready))
 def test_a_fault_counts_after_the_scene_was_edited(scene: Callable[..., Path], tmp_path: Path) -> None:
     path = scene("a = Later(); robot.append(a)")
     (tmp_path / "edited.py").write_text(EDITED)
-    done = subprocess.run(
-        [sys.executable, "edited.py", str(path)], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
-    )
+    done = python("edited.py", path, folder=tmp_path)
     outcome = Outcome(done.returncode, done.stdout)
     assert outcome.status == FAULTS, outcome.text + done.stderr
     assert "read again: " in outcome.text

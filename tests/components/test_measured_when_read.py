@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
-from effort import examples
 from morse.builder import Environment, Robot
 from morse.simulation.simulation import Simulation
+from tests.kit.effort import examples
 
 #: a body that falls and rolls, with a leg on a hinge that swings and touches the floor
 _TUMBLER = """

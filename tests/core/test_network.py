@@ -12,7 +12,7 @@ import pytest
 
 from morse.core.clients.network import Network
 from morse.wire.listener import listen, port_of
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def in_a_thread(function: Callable[[], object]) -> None:

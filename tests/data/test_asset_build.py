@@ -3,7 +3,6 @@
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 
 import morse
 from morse.plugins.blend import read_blend
+from tests.kit.programs import python
 
 pytestmark = pytest.mark.long
 
@@ -23,9 +23,7 @@ needs_blender = [
 
 
 def build(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, str(BUILD), *arguments], capture_output=True, text=True, check=False, timeout=100
-    )
+    return python(BUILD, *arguments)
 
 
 @pytest.fixture(scope="module")

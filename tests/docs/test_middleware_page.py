@@ -9,6 +9,8 @@ from pathlib import Path
 
 from doc_pages import DOCS
 
+from tests.kit.programs import python
+
 PAGE = (DOCS / "middleware.md").read_text()
 _FILE = re.compile(r"^```(?:python|toml)\n# (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILES: dict[str, str] = dict(_FILE.findall(PAGE))
@@ -49,9 +51,7 @@ def test_the_page_is_a_middleware(tmp_path: Path) -> None:
     for path, text in {**FILES, **more}.items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text)
-    run = subprocess.run(
-        [sys.executable, "run.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
-    )
+    run = python("run.py", folder=tmp_path)
     assert run.returncode == 0, run.stderr
     packet, driven, ended = run.stdout.splitlines()
     assert re.match(r'robot\.pose \{"timestamp": [0-9.]+, "x": ', packet)

@@ -1,12 +1,12 @@
 """Programs of `examples` with software that others wrote, in closed loop."""
 
 import re
-import subprocess
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+
+from tests.kit.programs import python
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LIMIT = 1200.0
@@ -16,9 +16,7 @@ pytestmark = pytest.mark.slow
 
 def numbers(program: str, pattern: str, tmp_path: Path) -> list[float]:
     """What the program has said, by the groups of a pattern."""
-    said = subprocess.run(
-        [sys.executable, EXAMPLES / program], capture_output=True, text=True, timeout=LIMIT, cwd=tmp_path
-    )
+    said = python(EXAMPLES / program, folder=tmp_path, limit=LIMIT)
     assert said.returncode == 0, said.stderr[-2000:]
     found = re.search(pattern, said.stdout)
     assert found is not None, said.stdout

@@ -5,8 +5,6 @@ import os
 import pickle
 import re
 import signal
-import subprocess
-import sys
 import urllib.error
 import urllib.request
 import warnings
@@ -27,6 +25,7 @@ from morse.gym.crossing import AGENTS, Crossing
 from morse.gym.reach import Reach, ReachDepth
 from morse.gym.walk import Walk
 from morse.many import normal, uniform
+from tests.kit.programs import python
 
 
 @pytest.mark.parametrize("task", [Reach, ReachDepth, Walk, LookAround, Picture])
@@ -315,7 +314,7 @@ def test_a_program_that_does_not_close_a_vector_leaves_nothing_behind():
         "import morse.gym; from morse.gym.reach import Reach\n"
         "if __name__ == '__main__':\n    env = morse.gym.vector(Reach, 2, workers=2); env.reset(seed=1)"
     )
-    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    outcome = python("-c", code)
     assert (outcome.returncode, outcome.stderr) == (0, "")
 
 
@@ -510,13 +509,13 @@ def test_mistakes_of_a_caller_are_named():
 
 def test_a_name_that_imports_the_tasks():
     code = "import gymnasium; gymnasium.make('morse.gym:morse/Reach-v0').close()"
-    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    outcome = python("-c", code)
     assert outcome.returncode == 0, outcome.stderr
 
 
 def test_a_missing_extra_is_named():
     code = "import sys; sys.modules['gymnasium'] = None; import morse.gym"
-    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    outcome = python("-c", code)
     assert 'pip install "gymnasium>=1.1,<2" "pettingzoo>=1.25"' in outcome.stderr.splitlines()[-1]
 
 
@@ -573,7 +572,7 @@ from morse.gym.reach import Reach
 def test_processes_that_are_not_copies(tmp_path, program, message):
     script = tmp_path / "program.py"
     script.write_text(f"{SPAWNED}{program}\n")
-    outcome = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
+    outcome = python(script)
     assert message in (outcome.stderr.splitlines() or [""])[-1]
     assert bool(message) == bool(outcome.returncode)
 

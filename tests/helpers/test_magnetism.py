@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.helpers.geodesy import LocalPlane
 from morse.sensors.magnetometer import MagneticField, model_of
+from tests.kit.effort import examples
 
 #: "The US/UK World Magnetic Model for 2015-2020" and "... for 2020-2025": year, height (km), latitude, longitude,
 #: north, east and down component (nT)

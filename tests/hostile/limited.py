@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 _MINUTE = 60.0
 _START = """

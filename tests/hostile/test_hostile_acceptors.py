@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 from limited import connect, is_closed, reset, told_once
 
-from event_loops import run_apart
 from morse.core.clients.acceptors import AcceptedProtocol, Acceptor, StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.network import Network
@@ -18,7 +17,7 @@ from morse.middleware.socket import datastream
 from morse.plugins.mavlink.links import open_link
 from morse.plugins.multinode.server import MultinodeServer
 from morse.wire.listener import listen, port_of
-from tests.waiting import wait_until
+from tests.kit.waiting import run_apart, wait_until
 
 logger = logging.getLogger("morse.test")
 

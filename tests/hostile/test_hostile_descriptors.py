@@ -10,7 +10,7 @@ from limited import call, connect, is_closed, limited_run, reset, told_once
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect as websocket
 
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 pytest.importorskip("resource")
 

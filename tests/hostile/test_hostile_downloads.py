@@ -9,7 +9,7 @@ from limited import connect, reset
 
 from morse.core.clients.network import Network
 from morse.viewer.server import ViewServer
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 CONTENT = bytes(range(256)) * (8 << 12)
 #: bytes of a file that the simulation may hold for one client; the system holds more

@@ -13,13 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_hostile_values_in_states import NoReferences
 
-from effort import examples
 from morse.core.state import Reader, StateError
 from morse.recording.errors import RecordingError
 from morse.recording.made.reading import Unpacking
 from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
 from morse.simulation.states.state import State
 from morse.system.packed_keys import check_keys
+from tests.kit.effort import examples
 
 COUNT = 16
 #: the hash of -1 equals that of -2, and that of 2**61 - 1 is 0

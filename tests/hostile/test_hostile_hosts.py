@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.core.clients.web_access import Access
+from tests.kit.effort import examples
 
 _STRANGE = [
     "evil.com@127.0.0.1:8765", "127.0.0.1#.evil", "127.0.0.1?.evil", "127.0.0.1/evil", "127.0.0.1\\.evil",

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from event_loops import run_apart
 from morse.core.clients.budgets import CLIENT_BYTES, ENTRY, PARSED, Budget, OverBudget, TimeShares
 from morse.middleware.foxglove.client import FoxgloveClient
 from morse.middleware.rosbridge.client import RosbridgeClient
@@ -17,6 +16,7 @@ from morse.plugins.yarp.ports import WaitingBottles
 from morse.viewer import page_messages as pm
 from morse.viewer.hub import Hub
 from morse.viewer.page import Page
+from tests.kit.waiting import run_apart
 
 LARGEST_MESSAGE = 1 << 20
 MOST = 20 << 20

@@ -8,11 +8,11 @@ from xml.sax.saxutils import quoteattr
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.assets.sdf.script import scene_script
 from morse.system.source_text import inside_quotes, one_line, quoted
 from pymorse.component import Component
 from pymorse.stubs import stubs
+from tests.kit.effort import examples
 
 #: ends a docstring, a string or a comment, and goes on with a statement
 ENDS = ['"""', "'", '"', "\r", "\n", "\x0c", "\u2028", "\x85", "\\", "\x1c", ":", ",", ")", "#"]

@@ -10,7 +10,7 @@ from limited import connect
 from morse.core.clients.network import Network
 from morse.viewer.protocol import VERSION
 from morse.viewer.server import ViewServer
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 class View:

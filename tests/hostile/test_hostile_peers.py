@@ -22,8 +22,6 @@ from hypothesis import strategies as st
 from limited import connect, is_closed
 
 import morse
-from effort import examples
-from event_loops import run_apart
 from morse.builder import ATRV, Environment, MotionVW, Pose
 from morse.core.clients.network import Network
 from morse.plugins.mavlink import framing, links
@@ -35,7 +33,9 @@ from morse.plugins.multinode.server import MultinodeServer
 from morse.plugins.yarp.port import Port
 from morse.plugins.yarp.wire import Address, NameServer, is_alive
 from morse.wire.listener import listen, port_of
-from tests.waiting import wait_until
+from tests.kit.effort import examples
+from tests.kit.programs import free_port
+from tests.kit.waiting import run_apart, wait_until
 
 MINUTE = 60.0
 
@@ -212,15 +212,8 @@ def test_the_sizes_in_a_packet_of_a_database_are_checked_before_it_is_read(data:
 _EMPTY = bytes([0xFE, 0, 0, 1, 1, 76, 0, 0])
 
 
-def _free_port(kind: int) -> tuple[str, int]:
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        host, number = probe.getsockname()
-        return host, number
-
-
 def test_strangers_do_not_displace_a_silent_peer_that_speaks_mavlink() -> None:
-    address = _free_port(socket.SOCK_DGRAM)
+    address = "127.0.0.1", free_port(socket.SOCK_DGRAM)
     link = UdpLink("udpin", address, socket.AF_INET, listens=True)
     strangers = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(30)]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as pilot:
@@ -241,7 +234,7 @@ def test_strangers_do_not_displace_a_silent_peer_that_speaks_mavlink() -> None:
 def test_one_message_does_not_keep_a_place_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr(links, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    _, number = _free_port(socket.SOCK_STREAM)
+    number = free_port(socket.SOCK_STREAM)
     link: Any = open_link(f"tcpin:127.0.0.1:{number}")
     former = [connect(number) for _ in range(16)]
     wait_until(lambda: list(link.receive()) or len(link._connections) == 16)
@@ -291,7 +284,7 @@ def test_messages_are_the_same_in_pieces_and_at_once(parts: list[bytes]) -> None
 def test_senders_of_messages_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of them has a message in a tick, even if the time for all of them is used."""
     common = pytest.importorskip("pymavlink.dialects.v20.common")
-    _, number = _free_port(socket.SOCK_DGRAM)
+    number = free_port(socket.SOCK_DGRAM)
 
     def scene() -> None:
         robot, motion = ATRV("robot"), MotionVW("motion")

@@ -15,7 +15,6 @@ from typing import Any
 import pytest
 from websockets.server import ServerProtocol
 
-from event_loops import run_apart
 from morse.core.clients.budgets import Arrivals, Sender, TimeShare, TimeShares
 from morse.core.clients.network import Network
 from morse.core.clients.web_connection import PacedConnection
@@ -27,7 +26,7 @@ from morse.rosmsgs.cdr import CdrError, encode
 from morse.rosmsgs.topics.stream import check_size, largest
 from morse.wire.connection import Connection
 from morse.wire.listener import listen, port_of
-from tests.waiting import wait_until
+from tests.kit.waiting import run_apart, wait_until
 
 MINUTE = 60.0
 HANDSHAKE = (

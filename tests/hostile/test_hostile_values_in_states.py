@@ -11,10 +11,10 @@ import state_traps as traps
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.core.state import Reader, StateError
 from morse.core.state.attributes import is_data
 from morse.simulation.recordings.input_recording import entry_from_bytes
+from tests.kit.effort import examples
 
 CHOICES = st.tuples(st.integers(0, 10_000), st.sampled_from(sorted(traps.VALUES)))
 

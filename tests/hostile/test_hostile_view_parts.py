@@ -25,7 +25,7 @@ from morse.viewer.page import MOST_WAITING, Page
 from morse.viewer.page_messages import ViewEvent
 from morse.viewer.protocol import page_message_types
 from morse.viewer.view_messages import Answer, Models, PropertyValue, Refused
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def _scene() -> None:

@@ -12,7 +12,7 @@ from steps import block
 
 import morse
 import pymorse
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.blender]
 

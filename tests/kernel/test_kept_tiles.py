@@ -5,9 +5,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from kernel_drawings import RandomDrawing
 
-from effort import examples
 from morse.kernel.drawing.arrays import NO_SURFACE, Poses, bounds_for, changes_for
 from morse.kernel.drawing.native import Kept, NativeDrawer
+from tests.kit.effort import examples
 
 some = settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 SIZES = ((160, 100), (70, 130), (40, 40))

@@ -6,11 +6,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from kernel_drawings import RandomDrawing
 
-from effort import examples
 from morse.kernel import threads
 from morse.kernel.drawing.arrays import NO_SURFACE, bounds_for
 from morse.kernel.drawing.native import NativeDrawer
 from tests.kernel.twins.drawing import ReferenceDrawer
+from tests.kit.effort import examples
 
 some = settings(max_examples=examples(25), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

@@ -6,11 +6,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from kernel_worlds import random_world, rotations, soup
 
-from effort import examples
 from morse.kernel import rays as native
 from morse.kernel import threads
 from morse.kernel.rays import BOX, MESH, Fan, NativeRays, Poses, SolidArrays, TriangleMesh
 from tests.kernel.twins.rays import ReferenceRays
+from tests.kit.effort import examples
 
 some = settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 NUMBERS = [np.nan, np.inf, -np.inf, 1e308, -1e300, 1e40, 1e-320, 0.0, -0.0]

@@ -7,9 +7,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from effort import examples
 from morse.kernel.rays import BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, SPHERE
 from tests.kernel.twins import primitives
+from tests.kit.effort import examples
 
 PRIMITIVES = (BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID)
 anything = st.floats(allow_nan=True, allow_infinity=True)

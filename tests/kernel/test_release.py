@@ -1,6 +1,5 @@
 """What a release consists of: the checks of wheels find what would break on a user's machine."""
 
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from morse.kernel import targets
+from tests.kit.programs import python
 from tools.release import arm64, contents, steps, wheels, wine
 
 HOST = targets.host()
@@ -147,6 +147,6 @@ def test_without_packages_of_debian_they_are_skipped_by_name(command: str, tmp_p
         "import sys, shutil; shutil.which = lambda *words, **options: None;"
         "from tools import __main__; sys.exit(__main__.main(sys.argv[1:]))"
     )
-    done = subprocess.run([sys.executable, "-c", program, command], cwd=wheels.ROOT, capture_output=True, text=True)
+    done = python("-c", program, command, folder=wheels.ROOT)
     assert done.returncode == 0
     assert "skipped: needs" in done.stderr

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from morse.kernel import build
+from tests.kit.programs import python
 
 pytestmark = pytest.mark.long
 
@@ -72,10 +73,5 @@ def test_the_sanitizers_see_what_they_shall_see(tmp_path):
         "m = ctypes.CDLL(sys.argv[1]); libc = ctypes.CDLL(None); libc.malloc.restype = ctypes.c_void_p;"
         "m.last.restype = ctypes.c_double; p = libc.malloc(ctypes.c_size_t(800)); m.last(ctypes.c_void_p(p), 100)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(library)],
-        env={**os.environ, "LD_PRELOAD": runtime.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0"},
-        capture_output=True,
-        text=True,
-    )
+    done = python("-c", program, library, LD_PRELOAD=runtime.stdout.strip(), ASAN_OPTIONS="detect_leaks=0")
     assert "heap-buffer-overflow" in done.stderr

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from many_scenes import arena, crowded_arena, fleet_arena
 
 import morse
-from effort import examples
+from tests.kit.effort import examples
 
 #: scene: the robot that contacts, places and parameters are about; commands, with their least and largest values
 SCENES = {

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from many_scenes import arena, block, body
 
 import morse
-from effort import examples
 from morse.kernel.loading import library
+from tests.kit.effort import examples
 
 FIELDS = {"robot.pose": ("x", "y", "yaw"), "robot.laser": ("range_list",), "robot.gps": ("x", "z")}
 PLACES = [(0.0, 0.0, 0.0), (1.2, 0.5, 2.0), (-1.0, -1.5, -1.0)]

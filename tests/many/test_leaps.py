@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from many_scenes import block, body
 
 import morse
-from effort import examples
 from morse.kernel.loading import library
+from tests.kit.effort import examples
 
 PLACES = [(0.0, 0.0, 0.0), (1.2, 0.5, 2.0), (-1.0, -1.5, -1.0)]
 

@@ -20,7 +20,8 @@ from morse.cli.sweep import ProgressLine
 from morse.many import Study, Table, choice, loguniform, normal, uniform
 from morse.many.executors import pack_size
 from morse.many.ledger import read_rows
-from tests.waiting import wait_until
+from tests.kit.programs import python
+from tests.kit.waiting import wait_until
 
 SCENE = """
 import os, signal, pathlib
@@ -687,7 +688,7 @@ print(len(study.run("r", workers=2)), "rows")
 """
     )
     (tmp_path / "script.py").write_text(text)
-    outcome = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=240)
+    outcome = python("script.py", folder=tmp_path)
     assert outcome.stdout.split("\n")[0] == "3 rows", outcome.stderr
 
 

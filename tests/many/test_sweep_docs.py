@@ -2,11 +2,11 @@
 
 import importlib.util
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.kit.programs import python
 
 PAGE = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
 STUDY, OTHERS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
@@ -14,7 +14,7 @@ STUDY, OTHERS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 def test_the_study_runs(tmp_path):
     (tmp_path / "study.py").write_text(STUDY)
-    outcome = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, capture_output=True, text=True, timeout=240)
+    outcome = python("study.py", folder=tmp_path)
     assert outcome.stderr == ""
     assert "<Table of 8 runs" in outcome.stdout
     # the block is 1.3 m ahead: faster robots hit it

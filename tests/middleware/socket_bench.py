@@ -23,7 +23,7 @@ from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, noninterruptible, service
 from morse.mathutils import Quaternion, Vector
 from morse.scene import StreamDeclaration, TimeStrategies
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 PUBLISHER = "morse.middleware.socket_datastream.SocketPublisher"
 READER = "morse.middleware.socket_datastream.SocketReader"

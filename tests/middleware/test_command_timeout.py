@@ -1,13 +1,12 @@
 """Commands that expire: the option ``timeout`` of the streams of actuators."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-import morse
 from morse.core.exceptions import MorseError
+from tests.kit.scenes import Load
 
 SCENE = """
 from morse.builder import *
@@ -19,19 +18,8 @@ MOTION = 'motion = MotionVW(); robot.append(motion); motion.add_stream("socket",
 
 
 @pytest.fixture
-def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Any]]:
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    running = []
-
-    def load(component: str) -> Any:
-        scene = tmp_path / "scene.py"
-        scene.write_text(SCENE.format(component=component))
-        running.append(morse.load(scene, sockets=True))
-        return running[-1]
-
-    yield load
-    for sim in running:
-        sim.close()
+def start(load: Load) -> Load:
+    return lambda component: load(SCENE.format(component=component), sockets=True)
 
 
 def send(sim: Any, text: bytes) -> None:

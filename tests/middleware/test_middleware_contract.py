@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import logging
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -20,7 +18,8 @@ from morse.core.sensor import Sensor
 from morse.core.streams.kind_stream import KindStream
 from morse.core.validation import OptionError
 from morse.scene import StreamDeclaration
-from tests.waiting import wait_until
+from tests.kit.programs import python
+from tests.kit.waiting import wait_until
 
 KIND_STREAM = "morse.core.streams.kind_stream.KindStream"
 
@@ -397,7 +396,7 @@ def test_a_package_brings_a_middleware(tmp_path: Path) -> None:
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text)
     script = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{USE}"
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    run = python("-c", script)
     assert run.returncode == 0, run.stderr
     lines = run.stdout.splitlines()
     assert lines[0] == "my_lab.manager.Pigeons {'wind': 3.0} False"

@@ -14,7 +14,7 @@ from socket_bench import Bench, Peer
 
 from morse.middleware.socket import frames as binary_frames
 from pymorse import frames
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 class Reader(Peer):

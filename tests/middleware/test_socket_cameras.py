@@ -9,7 +9,7 @@ from socket_bench import Bench, Body
 from morse.core.declarations import add_data
 from morse.core.sensor import Sensor
 from morse.mathutils import Matrix
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 PIXELS = np.array([[[255, 0, 0, 255], [0, 255, 0, 255], [10, 20, 30, 255]]], dtype=np.uint8)
 POINTS = np.array([[1.0, 2.0, 3.0], [-1.5, 0.25, 10.0]], dtype=np.float32)

@@ -25,7 +25,7 @@ from morse.wire import server as servers
 from morse.wire.encoding import from_json, to_json
 from morse.wire.inbox import Inbox
 from morse.wire.server import Budget, limits_of
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 class Caller:

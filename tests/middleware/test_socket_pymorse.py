@@ -8,7 +8,7 @@ from socket_bench import Bench
 
 from morse.core import status
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 DETAILS = {
     "robots": [

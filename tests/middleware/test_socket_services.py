@@ -10,13 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from socket_bench import Bench, Peer
 
-from effort import examples
 from morse.core import status
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import service_client
 from morse.middleware.socket.request_manager import SocketRequestManager
 from morse.wire.server import MAX_CLIENTS
-from tests.waiting import wait_until
+from tests.kit.effort import examples
+from tests.kit.waiting import wait_until
 
 
 def test_the_transcript_of_1_4(bench: Bench, client: Peer) -> None:

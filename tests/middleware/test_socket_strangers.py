@@ -13,7 +13,7 @@ from socket_bench import Bench, Peer
 
 from morse.wire.lines import FirstLine
 from morse.wire.listener import listen, port_of
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 REQUEST = b'1 robot1.motion echo ["driven by a page"]\n'
 COMMAND = b'{"v": 1.0}\n'

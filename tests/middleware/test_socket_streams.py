@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher, SocketReader
 from socket_bench import Bench, Body, Motion, Peer, Thermometer
 
-from effort import examples
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.sensor import Sensor
@@ -23,7 +22,8 @@ from morse.scene import StreamDeclaration
 from morse.wire import server as line_server
 from morse.wire.inbox import Inbox
 from morse.wire.listener import listen, port_of
-from tests.waiting import wait_until
+from tests.kit.effort import examples
+from tests.kit.waiting import wait_until
 
 
 def test_a_sensor_sends_a_line_at_each_action(bench: Bench) -> None:

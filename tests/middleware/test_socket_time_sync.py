@@ -9,7 +9,7 @@ from socket_bench import Bench, Peer
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import datastream
 from morse.wire.listener import listen, port_of
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
-from effort import examples
 from morse.builder import Environment, FakeRobot, Pose, Teleport
 from morse.core.exceptions import MorseError
+from tests.kit.effort import examples
 
 _angles = st.floats(-3.1, 3.1)
 

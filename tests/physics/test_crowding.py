@@ -1,15 +1,13 @@
 """Many bodies at one place: the run goes on, with short ticks, and everything else behaves as before."""
 
 import math
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import pytest
 
-import morse
 from morse.physics import forward as forward_module
+from tests.kit.scenes import Load
 
 SCENE = """
 from morse.builder import *
@@ -28,17 +26,8 @@ env = Environment("empty", fastmode=True)
 
 
 @pytest.fixture
-def made(tmp_path: Path) -> Iterator[Any]:
-    running = []
-
-    def load(count: int, gap: float) -> Any:
-        (tmp_path / "scene.py").write_text(SCENE.format(count=count, gap=gap), encoding="utf-8")
-        running.append(morse.load(tmp_path / "scene.py"))
-        return running[-1]
-
-    yield load
-    for simulation in running:
-        simulation.close()
+def made(load: Load) -> Load:
+    return lambda count, gap: load(SCENE.format(count=count, gap=gap))
 
 
 def floating(simulation: Any) -> int:

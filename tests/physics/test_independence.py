@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from worlds import box, node, rigid, robot, sphere, world
 
-from effort import examples
+from tests.kit.effort import examples
 
 TICKS = 150
 #: columns of places, 4 m apart; the robot that is observed is at the first place and stays within 1.5 m

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from test_rays import directions, eye, look, names
 from worlds import box, node, robot, scene
 
-from effort import examples
 from morse.assets.collision import resolve_shapes
 from morse.physics import World
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
+from tests.kit.effort import examples
 
 
 def mesh_node(name, vertices, triangles, *, kind=PhysicsType.STATIC, bounds=None, materials=(), index=None, **settings):

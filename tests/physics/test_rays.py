@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from ray_formulas import first_hit, grazes
 from worlds import box, node, rigid, robot, run, sphere, world
 
-from effort import examples
 from morse.mathutils import Euler
 from morse.scene import CollisionShape, Node, PhysicsType, ShapeKind
+from tests.kit.effort import examples
 
 pytestmark = pytest.mark.long
 

@@ -9,10 +9,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from worlds import bits, box, ground, rigid, robot, run, scene, sphere, world
 
-from effort import examples
 from morse.physics import UnstableError, World
 from morse.physics.model.limits import RUNAWAY_SPEED
 from morse.scene import ComponentDeclaration
+from tests.kit.effort import examples
 
 pytestmark = pytest.mark.long
 

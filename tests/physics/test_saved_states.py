@@ -10,10 +10,10 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from worlds import bits, box, ground, node, rigid, robot, scene, sphere, world
 
-from effort import examples
 from morse.physics import World
 from morse.physics.state.saved import SavedAttachments, SavedGrip
 from morse.scene import Node
+from tests.kit.effort import examples
 
 pytestmark = pytest.mark.long
 

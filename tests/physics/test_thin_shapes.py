@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from worlds import box, ground, node, rigid, run, sphere, world
 
-from effort import examples
 from morse.assets.collision import resolve_shapes
 from morse.physics import World
 from morse.scene import Bounds, CollisionShape, Mesh, PhysicsType, Scene, ShapeKind
+from tests.kit.effort import examples
 
 
 def convex(points):

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import morse
+from tests.kit.programs import python
 
 SOURCES = str(Path(morse.__file__).parents[1])
 
@@ -84,15 +82,7 @@ def project(tmp_path_factory):
 def command(project, tmp_path):
     def run(*words):
         home = {"HOME": str(tmp_path), "USERPROFILE": str(tmp_path), "PYTHONPATH": SOURCES}
-        return subprocess.run(
-            [sys.executable, "-m", "morse", *words],
-            cwd=project,
-            env={**os.environ, **home},
-            capture_output=True,
-            encoding="utf-8",
-            timeout=120,
-            check=False,
-        )
+        return python("-m", "morse", *words, folder=project, **home)
 
     return run
 

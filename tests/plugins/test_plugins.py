@@ -16,6 +16,7 @@ from morse.core.classes.classpath import load_class
 from morse.core.classes.plugins import entry_points
 from morse.middleware import registry
 from morse.version import __version__
+from tests.kit.programs import python
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "src"
@@ -116,7 +117,7 @@ def test_a_folder_that_an_older_checkout_has_left_hides_no_plugin(tmp_path: Path
         "from morse.middleware.moos.database import Database\n"
         "print(Database.__module__)\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
+    done = python("-c", program)
     assert done.stdout.strip() == "morse.plugins.moos.database", done.stderr
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 import pytest
 from scripted_simulation import ScriptedSimulation
 
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def client_threads() -> list[str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from test_pymorse_aio import Running, running
 
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 pytestmark = pytest.mark.long
 

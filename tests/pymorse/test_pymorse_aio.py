@@ -3,7 +3,6 @@
 import asyncio
 import logging
 import math
-import socket
 import subprocess
 import sys
 import threading
@@ -14,9 +13,9 @@ from typing import Any
 import pytest
 
 import morse
-from event_loops import run_apart
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
-from tests.waiting import wait_until
+from tests.kit.programs import free_port, python
+from tests.kit.waiting import run_apart, wait_until
 
 pytestmark = pytest.mark.long
 
@@ -30,12 +29,6 @@ robot.add_default_interface("socket")
 env = Environment("empty")
 """
 LIMIT = 60.0
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class Running:
@@ -212,7 +205,7 @@ def test_the_types_of_a_simulation_are_those_that_a_checker_uses(running: Runnin
         "    data = simu.robot.pose.get()\n    assert data is not None\n    x: float = data['x']\n"
         "    simu.robot.motion.publish({'v': 1.0})\n    simu.robot.motion.set_speed(0.0, 0.0).result()\n    print(x)\n"
     )
-    said = subprocess.run([sys.executable, program], capture_output=True, text=True, timeout=LIMIT, cwd=tmp_path)
+    said = python(program, folder=tmp_path)
     assert math.isfinite(float(said.stdout)), said.stderr
     check = [sys.executable, "-m", "mypy", "--no-incremental", "program.py"]
     assert subprocess.run(check, capture_output=True, text=True, timeout=LIMIT, cwd=tmp_path).returncode == 0

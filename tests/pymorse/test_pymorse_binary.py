@@ -16,7 +16,7 @@ from morse.simulation.simulation import Simulation
 from pymorse import Morse
 from pymorse.binary import BinaryConnection
 from pymorse.poller import Poller
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def scene() -> None:

@@ -13,15 +13,15 @@ from scripted_simulation import Endpoint, ScriptedSimulation
 
 from pymorse import Morse, MorseFuture, MorseServicePreempted
 from pymorse import pymorse as module
-from tests.waiting import wait_until
+from tests.kit.programs import free_port
+from tests.kit.waiting import wait_until
 
 SOURCE = Path(__file__).parents[2] / "src"
 
 
-@pytest.fixture
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return int(server.getsockname()[1])
+@pytest.fixture(name="free_port")
+def _free_port() -> int:
+    return free_port()
 
 
 def test_no_simulation(free_port: int, monkeypatch: pytest.MonkeyPatch) -> None:

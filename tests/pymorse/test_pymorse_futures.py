@@ -7,7 +7,7 @@ import pytest
 from scripted_simulation import ScriptedSimulation
 
 from pymorse import Morse, MorseServiceFailed, MorseTimeoutError
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from scripted_simulation import Endpoint, ScriptedSimulation
 from pymorse import Morse, PollThread, Stream, StreamJSON, messages
 from pymorse.channel import MAX_UNSENT
 from pymorse.stream import StreamB
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 class Collecting(StreamB):

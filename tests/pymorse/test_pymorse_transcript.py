@@ -6,7 +6,7 @@ import pytest
 from scripted_simulation import ScriptedSimulation
 
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def test_a_session_as_it_goes_over_the_wire(simulation: ScriptedSimulation) -> None:

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.recording.errors import RecordingError
 from morse.recording.fields.blocks import ReadBlock, encode_block
 from morse.recording.fields.columns import Keeper
+from tests.kit.effort import examples
 
 _plain = st.one_of(
     st.none(),

@@ -3,8 +3,6 @@
 import contextlib
 import random
 import struct
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,10 +13,11 @@ from hypothesis import strategies as st
 from recorded import drive, scene
 
 import morse
-from effort import examples
 from morse.recording.errors import RecordingError
 from morse.recording.mcap import records
 from morse.recording.mcap.reader import LARGEST, McapFile
+from tests.kit.effort import examples
+from tests.kit.programs import python
 
 _HEAD = records.MAGIC + records.header("ros2", "test")
 #: maximum memory for reading a malicious file, bytes
@@ -109,7 +108,7 @@ def test_lies_about_sizes_are_told_and_cost_no_memory(tmp_path: Path, content: b
         "except RecordingError as error:\n"
         "    print('refused:', error)\n"
     )
-    done = subprocess.run([sys.executable, "-c", program, path], capture_output=True, text=True, timeout=100)
+    done = python("-c", program, path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("refused:")
     assert "hostile.mcap" in done.stdout

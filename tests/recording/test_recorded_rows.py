@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from recorded import read_by_rosbags
 
 import morse
-from effort import examples
 from morse.builder import ATRV, GPS, Environment, Hokuyo, MotionVW, Pose
 from morse.core.rows.columns import euler_rows
 from morse.helpers.transformation import euler_angles
 from morse.mathutils.rotations import rotation_from_euler
 from morse.recording.fields.blocks import RecordedFields
 from morse.recording.recording import Recording
+from tests.kit.effort import examples
 
 TICKS = 90
 SENSORS = ("pose", "gps", "scan")

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from studio import Studio, Tripod, box, floor
 
 import morse
-from effort import examples
 from morse.rendering import Lens, Renderer
 from morse.scene import PhysicsType
+from tests.kit.effort import examples
 
 LENS = Lens.of_focal_length(64, 64, 32.0, 0.1, 50)
 AHEAD = Tripod((0, 0, 1), (1, 0, 1))

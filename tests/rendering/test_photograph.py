@@ -5,8 +5,6 @@ import math
 import numpy as np
 import pytest
 
-import morse
-
 SCENE = """
 from morse.builder import *
 ball = Sphere("ball")
@@ -20,11 +18,8 @@ env.set_camera_focal_length(32.0)
 
 
 @pytest.fixture
-def simulation(tmp_path):
-    script = tmp_path / "scene.py"
-    script.write_text(SCENE)
-    with morse.load(script) as made:
-        yield made
+def simulation(load):
+    return load(SCENE)
 
 
 def red(image):

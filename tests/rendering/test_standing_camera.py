@@ -9,12 +9,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from studio import FAR, Studio, Tripod, ball, box, floor, lamp
 
-from effort import examples
 from morse.assets.collision import resolve_shapes
 from morse.kernel.loading import library
 from morse.rendering import Lens, Motion, Renderer
 from morse.rendering.distortion import DistortedLens
 from morse.scene import PhysicsType, Scene
+from tests.kit.effort import examples
 
 pytestmark = pytest.mark.skipif(library() is None, reason="numpy keeps nothing")
 

@@ -1,7 +1,6 @@
 """Cameras on robots: the contents of their data and messages."""
 
 import base64
-import contextlib
 import json
 import math
 import socket
@@ -11,7 +10,6 @@ import numpy as np
 import pytest
 from messages import published
 
-import morse
 from morse.core.exceptions import MorseRPCTypeError
 from morse.simulation.loader import LoadError
 
@@ -34,19 +32,15 @@ def scene(line, more=""):
 
 
 @pytest.fixture
-def published_camera(tmp_path, monkeypatch):
+def published_camera(load):
     """As `camera`, with a port on which the camera is published."""
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    with contextlib.ExitStack() as endings:
 
-        def make(line, more):
-            script = tmp_path / "scene.py"
-            script.write_text("from morse.builder import *\n" + scene(line, more), encoding="utf-8")
-            simulation = endings.enter_context(morse.load(script, sockets=True))
-            simulation.sleep(0.1)
-            return simulation.context.component("robot.eye"), simulation
+    def start(line, more):
+        simulation = load(scene(line, more), sockets=True)
+        simulation.sleep(0.1)
+        return simulation.context.component("robot.eye"), simulation
 
-        yield make
+    return start
 
 
 @pytest.fixture

@@ -4,16 +4,15 @@ import hashlib
 import importlib.util
 import os
 import signal
-import subprocess
 import sys
 import time
 
 import numpy as np
 import pytest
 
-import morse
 from morse.builder.script import ScriptError
 from morse.rendering import Renderer
+from tests.kit.programs import python
 
 #: wall-clock time, s
 LIMIT = 60.0
@@ -54,20 +53,14 @@ robot.append(camera)
 
 
 @pytest.fixture
-def load(tmp_path):
-    simulations = []
-
-    def make(delay=0.05, more="", names=tuple(CAMERAS), **options):
+def load(load):
+    def drive(delay=0.05, more="", names=tuple(CAMERAS), **options):
         cameras = "".join(ONE.format(name=name, make=CAMERAS[name], delay=delay) for name in names)
-        path = tmp_path / "scene.py"
-        path.write_text(SCENE.format(cameras=cameras, more=more))
-        simulations.append(morse.load(path, **options))
-        simulations[-1].robot.motion.publish({"v": 1.0, "w": 0.4})
-        return simulations[-1]
+        simulation = load(SCENE.format(cameras=cameras, more=more), **options)
+        simulation.robot.motion.publish({"v": 1.0, "w": 0.4})
+        return simulation
 
-    yield make
-    for simulation in simulations:
-        simulation.close()
+    return drive
 
 
 def listen(simulation):
@@ -194,7 +187,7 @@ def test_no_worker_outlives_the_simulation(load, end, tmp_path):
         "print(*[worker.pid for worker in sim.context.server(Renderer)._pool.workers], flush=True)\n"
         f"{end}\n"
     )
-    done = subprocess.run([sys.executable, program], capture_output=True, text=True, timeout=LIMIT)
+    done = python(program)
     pids = [int(word) for word in done.stdout.split()]
     assert pids, done.stderr
     for pid in pids:

@@ -8,8 +8,6 @@ import tracemalloc
 
 import pytest
 
-import morse
-
 pytestmark = pytest.mark.long
 
 SCENE = """
@@ -50,11 +48,8 @@ class Client:
 
 
 @pytest.fixture
-def sim(tmp_path, monkeypatch):
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    (tmp_path / "scene.py").write_text(SCENE)
-    with morse.load(tmp_path / "scene.py", sockets=True) as made:
-        yield made
+def sim(load):
+    return load(SCENE, sockets=True)
 
 
 @pytest.fixture

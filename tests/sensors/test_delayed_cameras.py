@@ -48,19 +48,13 @@ NOISY = """
 
 
 @pytest.fixture
-def load(tmp_path):
-    made = []
+def load(load):
+    def drive(delay=0.05, more="pass"):
+        simulation = load(SCENE.format(delay=delay, more=more))
+        simulation.robot.motion.publish({"v": 1.0, "w": 0.4})
+        return simulation
 
-    def make(delay=0.05, more="pass"):
-        path = tmp_path / "scene.py"
-        path.write_text(SCENE.format(delay=delay, more=more))
-        made.append(morse.load(path))
-        made[-1].robot.motion.publish({"v": 1.0, "w": 0.4})
-        return made[-1]
-
-    yield make
-    for simulation in made:
-        simulation.close()
+    return drive
 
 
 def listen(simulation, names=CAMERAS):

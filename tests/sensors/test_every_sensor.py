@@ -37,19 +37,10 @@ CASES = [(name, level) for name in SENSORS for level in LEVELS.get(name, ("",))]
 
 
 @pytest.fixture(params=CASES, ids=lambda case: "-".join(filter(None, case)))
-def make(request, tmp_path):
+def make(request, load):
     name, level = request.param
-    made = []
-
-    def load(seed=1):
-        path = tmp_path / "scene.py"
-        path.write_text(SCRIPT.format(name=name, setting=f"sensor.level('{level}')" if level else ""))
-        made.append(morse.load(path, seed=seed))
-        return made[-1]
-
-    yield load
-    for simulation in made:
-        simulation.close()
+    setting = f"sensor.level('{level}')" if level else ""
+    return lambda seed=1: load(SCRIPT.format(name=name, setting=setting), seed=seed)
 
 
 def drive(simulation, ticks=90):

@@ -11,7 +11,7 @@ import morse
 from morse.many import Batch
 from morse.physics.rays import RayBundle
 from morse.wire.listener import port_of
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 URDF = """<robot name="seer"><link name="base"><inertial><mass value="1"/>
   <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>

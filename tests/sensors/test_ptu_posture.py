@@ -4,7 +4,6 @@ import math
 
 import pytest
 
-import morse
 from morse.core.kinds import bind
 
 SCRIPT = """
@@ -23,18 +22,8 @@ env = Environment("empty", fastmode=True)
 
 
 @pytest.fixture
-def load(tmp_path):
-    made = []
-
-    def make(carrier="ptu", before="", more=""):
-        path = tmp_path / "scene.py"
-        path.write_text(SCRIPT.format(carrier=carrier, before=before, more=more))
-        made.append(morse.load(path))
-        return made[-1]
-
-    yield make
-    for simulation in made:
-        simulation.close()
+def load(load):
+    return lambda carrier="ptu", before="", more="": load(SCRIPT.format(carrier=carrier, before=before, more=more))
 
 
 def test_the_angles_that_it_was_told(load):

@@ -4,8 +4,6 @@ import math
 
 import pytest
 
-import morse
-
 SCRIPT = """
 robot = FakeRobot()
 robot.translate(z=0.5)
@@ -24,19 +22,13 @@ def victim(name, x, y, more=""):
 
 
 @pytest.fixture
-def scene(tmp_path):
-    made = []
+def scene(load):
+    def start(victims, setting=""):
+        simulation = load(SCRIPT.format(victims=victims, setting=setting))
+        simulation.step(12)
+        return simulation
 
-    def make(victims, setting=""):
-        path = tmp_path / f"scene{len(made)}.py"
-        path.write_text("from morse.builder import *\n" + SCRIPT.format(victims=victims, setting=setting))
-        made.append(morse.load(path))
-        made[-1].step(12)
-        return made[-1]
-
-    yield make
-    for simulation in made:
-        simulation.close()
+    return start
 
 
 def seen(simulation):

@@ -5,8 +5,6 @@ import math
 import numpy as np
 import pytest
 
-import morse
-
 #: walls whose near faces are 3 m ahead of the origin and 5 m to the left of it
 SCENE = """
 from morse.builder import *
@@ -27,18 +25,8 @@ robot.append(camera)
 
 
 @pytest.fixture
-def load(tmp_path):
-    made = []
-
-    def start(body):
-        script = tmp_path / "scene.py"
-        script.write_text(SCENE.format(body=body))
-        made.append(morse.load(script))
-        return made[-1]
-
-    yield start
-    for simulation in made:
-        simulation.close()
+def load(load):
+    return lambda body: load(SCENE.format(body=body))
 
 
 def test_a_camera_that_turns_a_quarter_sees_the_wall_on_the_left(load):

@@ -1,34 +1,20 @@
 """Simulations in this process: ticked by the test, or running in a separate thread."""
 
-import textwrap
 import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
+from functools import partial
 
 import pytest
 
-import morse
 from morse.simulation.simulation import Simulation
 from pymorse import Morse
-
-Load = Callable[..., Simulation]
+from tests.kit.scenes import Load
 
 
 @pytest.fixture
-def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Load]:
-    """Call it with the text of a scene script, and with options of `morse.load`, for a simulation."""
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    loaded: list[Simulation] = []
-
-    def load_text(text: str, **options: object) -> Simulation:
-        script = tmp_path / "scene.py"
-        script.write_text("from morse.builder import *\n" + textwrap.dedent(text), encoding="utf-8")
-        loaded.append(morse.load(script, **{"sockets": True, **options}))  # type: ignore[arg-type]
-        return loaded[-1]
-
-    yield load_text
-    for simulation in loaded:
-        simulation.close()
+def load(load: Load) -> Load:
+    """With the services of a simulation, on a free port."""
+    return partial(load, sockets=True)
 
 
 class Running:

@@ -1,7 +1,6 @@
 """Robots that fall below the world are named once."""
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,8 +8,7 @@ import pytest
 from morse.core.observer import SHOWN
 from morse.simulation.reviews import FallenError
 from morse.simulation.simulation import Simulation
-
-Load = Callable[..., Simulation]
+from tests.kit.scenes import Load
 
 
 def falls(caplog: pytest.LogCaptureFixture) -> list[str]:

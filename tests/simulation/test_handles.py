@@ -3,8 +3,6 @@
 import gc
 import re
 import signal
-import subprocess
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,6 +15,7 @@ import morse
 from morse.core.exceptions import MorseBuilderError
 from morse.core.validation.spec import CommandError
 from pymorse import MorseServiceFailed, MorseServicePreempted
+from tests.kit.programs import python
 
 
 def scene() -> None:
@@ -537,7 +536,7 @@ def test_a_name_is_suggested_once(lines: str, word: str) -> None:
     """Python adds a suggestion of its own to an `AttributeError` that ends a program."""
     text = "import morse\nfrom morse.builder import *\ndef scene():\n    robot = ATRV()\n    pose = Pose()\n"
     text += f"    robot.append(pose)\n    env = Environment('empty')\n{lines}\n"
-    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=120, check=False)
+    done = python("-c", text)
     last = done.stderr.strip().splitlines()[-1]
     assert f"'{word}'" in last
     assert last.casefold().count("did you mean") == 1

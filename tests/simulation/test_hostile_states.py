@@ -14,9 +14,9 @@ import state_scenes as scenes
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.core.state import StateError
 from morse.simulation.states.state import State
+from tests.kit.effort import examples
 
 PLAN = {"robots": [True], "things": 1, "scan": False, "seed": 5}
 PART = "robot.everything"

@@ -1,8 +1,8 @@
 """Threads of executors that have nothing to do do not hold up the end of a process, and are not reported."""
 
-import subprocess
-import sys
 import time
+
+from tests.kit.programs import python
 
 PROGRAM = """
 import logging, sys
@@ -18,7 +18,7 @@ print("ended")
 
 def test_idle_workers_end() -> None:
     begin = time.monotonic()
-    ran = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=100, check=False)
+    ran = python("-c", PROGRAM)
     assert (ran.returncode, ran.stdout.split()) == (0, ["worked", "ended"]), ran.stdout + ran.stderr
     # the limit, for which a thread that does not end is waited for
     assert time.monotonic() - begin < 60.0

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-import morse
 from morse.assets.mjcf import read_mjcf
 from morse.assets.urdf import read_urdf
 from morse.builder import Armature, ArmaturePose, Robot
 from morse.scene import JointKind, PhysicsType
+from tests.kit.scenes import Load
 
 MASS, LENGTH, INERTIA, SLOPE = 2.0, 0.5, 0.01, 0.3
 TENSOR = f'<inertia ixx="{INERTIA}" iyy="{INERTIA}" izz="{INERTIA}" ixy="0" ixz="0" iyz="0"/>'
@@ -45,20 +45,13 @@ env = Environment('empty')
 
 
 @pytest.fixture
-def load(tmp_path: Path):
-    made = []
-
-    def load(text: str = URDF, *, dynamic: bool = True) -> Any:
+def load(tmp_path: Path, load: Load) -> Load:
+    def start(text: str = URDF, *, dynamic: bool = True) -> Any:
         file = tmp_path / ("toys.xml" if text.startswith("<mujoco") else "toys.urdf")
         file.write_text(text)
-        script = tmp_path / "scene.py"
-        script.write_text(SCENE.format(file=str(file), dynamic=dynamic))
-        made.append(morse.load(script))
-        return made[-1]
+        return load(SCENE.format(file=str(file), dynamic=dynamic), sockets=False)
 
-    yield load
-    for sim in made:
-        sim.close()
+    return start
 
 
 def place(sim, link: str):

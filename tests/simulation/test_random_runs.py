@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
-from effort import examples
 from morse.builder import ATRV, Arucomarker, Environment, Human, Keyboard, Morsy, MotionVW, Pose, Sick, Waypoint
 from morse.core.exceptions import MorseError
 from morse.recording.recording import Recording
@@ -17,6 +16,7 @@ from morse.simulation import population
 from morse.simulation.simulation import Simulation
 from morse.verification.resimulation import repeat
 from pymorse.errors import MorseServiceFailed
+from tests.kit.effort import examples
 
 pytestmark = pytest.mark.long
 

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
-from effort import examples
 from morse.builder import ATRV, Environment, Keyboard, Morsy, MotionVW, PassiveObject, Pose, Teleport
 from morse.core.state import StateError
 from morse.simulation.recordings.input_recording import InputRecording
 from morse.simulation.simulation import Simulation
+from tests.kit.effort import examples
 
 
 def scene() -> None:

@@ -13,9 +13,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import morse
-from effort import examples
 from morse.builder import Environment, Human
 from morse.core.state import StateError
+from tests.kit.effort import examples
 
 PLANS = st.fixed_dictionaries(
     {

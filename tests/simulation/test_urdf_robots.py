@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 import morse
+from tests.kit.scenes import Load
 
 WHEEL = """<link name="{side}_wheel"><inertial><mass value="0.5"/>
     <inertia ixx="0.001" iyy="0.002" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>
@@ -38,19 +39,13 @@ env = Environment('empty')
 
 
 @pytest.fixture
-def rover(tmp_path: Path):
-    made = []
-
-    def load(more: str):
+def rover(tmp_path: Path, load: Load) -> Load:
+    def start(more: str):
         (tmp_path / "rover.urdf").write_text(ROVER)
-        script = tmp_path / "scene.py"
-        script.write_text(SCENE.format(file=str(tmp_path / "rover.urdf"), more=more))
-        made.append(morse.load(script))
-        return made[-1].rover, made[-1]
+        simulation = load(SCENE.format(file=str(tmp_path / "rover.urdf"), more=more), sockets=False)
+        return simulation.rover, simulation
 
-    yield load
-    for simulation in made:
-        simulation.close()
+    return start
 
 
 def test_wheels_that_are_told_a_speed_roll(rover) -> None:

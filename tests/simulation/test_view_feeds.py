@@ -45,7 +45,7 @@ class Page:
         """Reconnect as a new page."""
         self.close()
         address = self.view.url.replace("http", "ws") + "ws"
-        self.socket = self._stack.enter_context(connect(address, max_size=None, ping_interval=None))
+        self.socket = self._stack.enter_context(connect(address, max_size=None, max_queue=None, ping_interval=None))
         self.send("hello", version=VERSION)
         self.expect("welcome")
 

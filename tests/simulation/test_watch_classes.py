@@ -13,7 +13,7 @@ from watched import Project
 from morse.core.journal import EDIT
 from morse.core.state import StateError
 from morse.simulation.simulation import Simulation
-from tests.waiting import step_until
+from tests.kit.waiting import step_until
 
 COUNTER = """
     from morse.core.sensor import Sensor

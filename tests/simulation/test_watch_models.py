@@ -16,7 +16,7 @@ from morse.physics.objects.removed_object import RemovedError
 from morse.scene import PhysicsType
 from morse.simulation.simulation import Simulation
 from morse.simulation.watching.watch import Watch
-from tests.waiting import step_until
+from tests.kit.waiting import step_until
 
 SCENE = """
     robot = GroundRobot("mine.blend")

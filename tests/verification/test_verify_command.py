@@ -4,16 +4,14 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from morse.cli.app import execute
 from morse.simulation.options import RunOptions
 from morse.verification.verify import Difference, ReplayError, verify
+from tests.kit.waiting import wait_until
 
 pytestmark = pytest.mark.long
 
@@ -146,19 +144,11 @@ def test_nothing_is_left_of_a_command_that_was_killed(tmp_path: Path, number: in
     folder.mkdir()
     command = [sys.executable, "-m", "morse", "verify", "--ticks", "10000000", str(script)]
     with subprocess.Popen(command, env={**os.environ, "TMPDIR": str(folder)}, stdout=subprocess.DEVNULL) as process:
-        child = int(_wait(lambda: told.exists() and told.read_text().endswith(".") and told.read_text())[:-1])
+        child = int(wait_until(lambda: told.exists() and told.read_text().endswith(".") and told.read_text())[:-1])
         os.kill(process.pid, number)
         process.wait(60)
-    _wait(lambda: not _lives(child))
+    wait_until(lambda: not _lives(child))
     assert list(folder.iterdir()) == []
-
-
-def _wait(condition: Callable[[], Any], limit: float = 60.0) -> Any:
-    end = time.monotonic() + limit
-    while not (found := condition()):
-        assert time.monotonic() < end, f"waited {limit} s"
-        time.sleep(0.02)
-    return found
 
 
 def _lives(pid: int) -> bool:

@@ -14,7 +14,7 @@ from view_worlds import playground
 
 from morse.core.clients.network import Network
 from morse.viewer.server import ViewServer
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page

@@ -57,7 +57,7 @@ class DrivingPage:
         self._thread = threading.Thread(target=simulation.run, kwargs={"speed": math.inf})
         self._thread.start()
         self._open = contextlib.ExitStack()
-        self._connection = self._open.enter_context(connect(address, max_size=None, ping_interval=None))
+        self._connection = self._open.enter_context(connect(address, max_size=None, max_queue=None, ping_interval=None))
         self._taken = 0
         self.send(page.Hello(version=VERSION))
 

@@ -14,7 +14,7 @@ from morse.viewer.hub import Wishes
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode
 from morse.viewer.view_messages import Tree
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

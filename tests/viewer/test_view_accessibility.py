@@ -10,7 +10,7 @@ import pytest
 
 from morse.viewer.server import ViewServer
 from morse.viewer.view_messages import Model, Models, SceneChanges
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

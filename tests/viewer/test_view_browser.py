@@ -14,7 +14,7 @@ from view_worlds import box, mesh_node, playground
 from morse.scene import Material, Scene
 from morse.viewer.page_messages import Reset
 from morse.viewer.view_messages import Appearance, Listening, Pace
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -23,7 +23,7 @@ from morse.viewer.view_messages import (
     Sighting,
     Tree,
 )
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

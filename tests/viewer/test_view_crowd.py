@@ -17,7 +17,7 @@ from morse.viewer.page import MOST_REQUESTS, PageLeft
 from morse.viewer.page_inputs import ServiceCalls
 from morse.viewer.page_messages import CallService, Pause
 from morse.viewer.view_messages import Answer
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def test_silent_connections_do_not_keep_pages_out(served, monkeypatch, caplog) -> None:

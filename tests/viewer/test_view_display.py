@@ -9,7 +9,7 @@ from view_worlds import box, mesh_node, playground
 from morse.scene import Material
 from morse.viewer.page_messages import Reset
 from morse.viewer.view_messages import FileMistake, Log, SavedFiles
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 pytestmark = pytest.mark.browser
 

@@ -16,7 +16,7 @@ from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
 from morse.simulation.simulation import Simulation
 from morse.viewer.catalog import Catalog
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

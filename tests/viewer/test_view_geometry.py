@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from view_pages import Client, fetch
 from view_worlds import box, chequers, mesh_node, playground
 
-from effort import examples
 from morse.scene import Material, Mesh, Node, Scene
 from morse.scene.frames import rigid_frame
 from morse.viewer.describe import describe, rigid_frames
 from morse.viewer.site import AssetStore, PackedMesh, pack_mesh
 from morse.viewer.snapshot import MovingNode
+from tests.kit.effort import examples
 
 
 def unpack(packed: PackedMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray]:

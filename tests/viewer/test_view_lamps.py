@@ -15,7 +15,7 @@ from view_worlds import mesh_node, plane
 from morse.scene import Light, Material, Node, NodeKind, Scene
 from morse.viewer.describe import describe_light
 from morse.viewer.view_messages import Appearance
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -19,7 +19,7 @@ from morse.viewer.view_messages import (
     Tree,
     Values,
 )
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -10,7 +10,7 @@ from view_worlds import mesh_node, sphere
 
 from morse.scene import Material, Scene
 from morse.viewer.snapshot import MovingNode, Snapshot
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

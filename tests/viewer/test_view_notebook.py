@@ -12,7 +12,7 @@ from view_worlds import playground
 
 from morse.viewer.notebook import frame, proxy_token
 from morse.viewer.server import ViewServer
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def attributes(html: str) -> dict[str, str | None]:

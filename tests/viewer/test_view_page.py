@@ -13,7 +13,7 @@ from view_worlds import playground
 
 from morse.viewer.page_messages import Drag, DragEnd, Teleport
 from morse.viewer.view_messages import Log
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -15,7 +15,7 @@ from view_worlds import box, mesh_node
 from morse.scene import CollisionShape, Scene, ShapeKind
 from morse.viewer.page_messages import Activate, CallService, SetProperty, ToggleCapturing
 from morse.viewer.view_messages import Capturing, Cone, MassCentre, PropertyValue
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -9,7 +9,7 @@ from view_pages import toasts
 from morse.recording.recording import Recording
 from morse.viewer.page_messages import CallService
 from morse.viewer.view_messages import Answer, RecordingDescription, Recordings
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 WIDE = {"width": 1200, "height": 700}
 SIZE = WIDE  # of the page that tests share

@@ -14,7 +14,7 @@ import morse
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
 from morse.viewer.replay_view import ReplayView
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 SCENE = """
 from morse.builder import *

@@ -9,7 +9,7 @@ from view_pages import Client
 
 from morse.testing.process import SimulationProcess
 from pymorse import Morse
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 SCENE = """
 from morse.builder import *

@@ -21,7 +21,7 @@ from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot
 from morse.viewer.view_messages import Answer, Appearance, Listening, Log, Rays, Values
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 
 def one_box() -> tuple[Scene, list[MovingNode]]:

@@ -13,7 +13,7 @@ from view_pages import fetch
 import morse
 from morse.viewer.feeds.sensors import SoundsFeed, read_sound
 from morse.viewer.view_messages import SoundState
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 RATE = 8000
 

@@ -16,7 +16,7 @@ import morse as simulator
 from morse.cli.app import execute
 from morse.viewer.exported_page import PageRecording, page_of
 from morse.viewer.view_messages import History, Picture, Values
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 SCENE = """
 from morse.builder import *

@@ -20,7 +20,7 @@ from morse.viewer.view_messages import (
     Values,
     Viewpoint,
 )
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -40,7 +40,7 @@ from morse.viewer.view_messages import (
     Tree,
     Values,
 )
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 TICK = 1.0 / 60.0
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from shape_meshes import Solid, box, cells, cylinder, icosphere, joined, loose, prism, rotation, seen_from_inside
 
-from effort import examples
 from morse.assets.shapes import ConvexPart, Primitive, convex_parts
+from tests.kit.effort import examples
 
 pytestmark = pytest.mark.long
 

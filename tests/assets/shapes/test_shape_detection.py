@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shape_meshes import box, cells, cylinder, icosphere, joined, loose, rotation, seen_from_inside
 
-from effort import examples
 from morse.assets.shapes import detect_primitive, fit_bounds
 from morse.scene.body import Bounds
+from tests.kit.effort import examples
 
 sizes = st.floats(0.05, 20.0)
 angles = st.floats(-math.pi, math.pi)

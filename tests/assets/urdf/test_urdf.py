@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import trimesh
 
-import morse
 from morse.assets import find, load
 from morse.assets.errors import AssetError
 from morse.assets.urdf import read_urdf
 from morse.scene import Bounds, JointKind, NodeKind, PhysicsType
+from tests.kit.scenes import Load
 
 ARM = """<robot name="planar">
   <material name="blue"><color rgba="0 0 1 1"/></material>
@@ -74,12 +74,10 @@ def arm(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def run(tmp_path: Path, arm: Path):
-    script = tmp_path / "scene.py"
-    script.write_text(SCENE.format(file=str(arm)))
-    with morse.load(script) as simulation:
-        simulation.step(120)
-        yield simulation
+def run(load: Load, arm: Path):
+    simulation = load(SCENE.format(file=str(arm)))
+    simulation.step(120)
+    return simulation
 
 
 def place(pose) -> list[float]:

@@ -6,7 +6,6 @@ import shutil
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
@@ -17,7 +16,9 @@ import pytest
 
 import morse
 from morse.core.exceptions import MorseError
-from tests.waiting import step_until
+from tests.kit.programs import talk
+from tests.kit.scenes import Load
+from tests.kit.waiting import step_until
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[2] / "docs"
@@ -84,43 +85,22 @@ def _needs_paho() -> None:
 
 
 @pytest.fixture
-def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Any]]:
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    running = []
+def start(load: Load) -> Load:
+    def start(port: int, components: str = "", world: str = "empty", options: str = "") -> Any:
+        return load(SCENE.format(port=port, components=components, world=world, options=options), sockets=True)
 
-    def load(port: int, components: str = "", world: str = "empty", options: str = "") -> Any:
-        scene = tmp_path / "scene.py"
-        scene.write_text(SCENE.format(port=port, components=components, world=world, options=options))
-        running.append(morse.load(scene, sockets=True))
-        return running[-1]
-
-    yield load
-    for sim in running:
-        sim.close()
+    return start
 
 
 def broker_of(sim: Any) -> Any:
     return sim.context.stream_managers["morse.middleware.mqtt.datastream.MqttDatastreamManager"].broker
 
 
-def talk(sim: Any, command: list[str]) -> str:
-    """Step until a program has ended; returns its output."""
-    with tempfile.TemporaryFile("w+") as said, subprocess.Popen(command, stdout=said, stderr=said) as other:
-        try:
-            step_until(sim, lambda: other.poll() is not None)
-        finally:
-            other.kill()
-        said.seek(0)
-        text = said.read()
-        assert other.returncode == 0, text
-        return text
-
-
 @pytest.mark.peer("mosquitto")
 def test_a_client_drives_and_looks(broker: Mosquitto, start: Callable[..., Any]) -> None:
     broker.start()
     sim = start(broker.port, SENSORS, "sandbox")
-    seen = json.loads(talk(sim, [sys.executable, str(HERE / "mqtt_peer.py"), str(broker.port)]))
+    seen = json.loads(talk([sys.executable, str(HERE / "mqtt_peer.py"), str(broker.port)], sim.step))
     assert seen["status"] == "online"
     pose = seen["morse/robot/pose"]
     assert list(pose) == ["timestamp", "x", "y", "z", "yaw", "pitch", "roll"]
@@ -272,4 +252,4 @@ def test_the_example_of_the_documentation(broker: Mosquitto, tmp_path: Path, mon
     (tmp_path / "default.py").write_text(scene + f'env.configure_stream_manager("mqtt", port={broker.port})\n')
     (tmp_path / "client.py").write_text(program.replace("1883", str(broker.port)))
     with morse.load(tmp_path / "default.py", sockets=True) as sim:
-        assert "x is 0.5 m" in talk(sim, [sys.executable, str(tmp_path / "client.py")])
+        assert "x is 0.5 m" in talk([sys.executable, str(tmp_path / "client.py")], sim.step)

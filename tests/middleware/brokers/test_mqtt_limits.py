@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.middleware.mqtt.broker import PacketLimits
+from tests.kit.effort import examples
 
 
 def packet(first: int, body: bytes) -> bytes:

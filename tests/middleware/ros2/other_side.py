@@ -8,14 +8,14 @@ import os
 import subprocess
 import sys
 import sysconfig
-import tempfile
-import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.kit import programs
 
 _HERE = Path(__file__).parent
 _LIMIT = 100.0
@@ -67,19 +67,7 @@ def need(module: str, python: str = sys.executable) -> None:
 
 
 def talk(script: str, step: Callable[[], object], python: str = sys.executable) -> dict[str, Any]:
-    """Step until a script ends; returns its output."""
-    with tempfile.TemporaryFile("w+") as said, tempfile.TemporaryFile("w+") as complaints:
-        # files, because an unread pipe would block the peer
-        command = [python, str(_HERE / script), str(DOMAIN)]
-        with subprocess.Popen(command, stdout=said, stderr=complaints, env=environment(python)) as other:
-            end = time.monotonic() + _LIMIT
-            while other.poll() is None and time.monotonic() < end:
-                step()
-                time.sleep(0.005)  # leaves the processor to the other process
-            if other.poll() is None:
-                other.kill()
-        for file in (said, complaints):
-            file.seek(0)
-        assert other.returncode == 0, complaints.read()
-        result: dict[str, Any] = json.loads(said.read().splitlines()[-1])
+    """Step until a script ends; returns the last line of its output."""
+    text = programs.talk([python, str(_HERE / script), str(DOMAIN)], step, environment(python))
+    result: dict[str, Any] = json.loads(text.splitlines()[-1])
     return result

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.core.kinds.turning import quaternion_of
 from morse.mathutils.rotation_rows import quaternions_from_rotations, quaternions_of
 from morse.mathutils.rotations import quaternion_from_rotation, rotation_from_euler
 from morse.rosmsgs.cdr import encode, encode_rows
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, MessageField, fields_of, messages
 from morse.rosmsgs.parts import quaternion
+from tests.kit.effort import examples
 
 _COUNT = 3
 _angles = st.floats(-7.0, 7.0, width=32)

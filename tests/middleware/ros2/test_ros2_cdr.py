@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.rosmsgs.cdr import CdrError, decode, encode
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of, messages
+from tests.kit.effort import examples
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)

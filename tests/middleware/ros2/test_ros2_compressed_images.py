@@ -16,8 +16,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from effort import examples
 from morse.rosmsgs.kinds.vision import compressed_outlet
+from tests.kit.effort import examples
 
 COLOURS = {"red": (200, 0, 0), "green": (0, 200, 0), "blue": (0, 0, 200)}
 #: channels of red, green and blue in an encoding

@@ -1,11 +1,9 @@
 """The feedback of actions, with the fields of nav2_msgs/NavigateToPose and control_msgs/FollowJointTrajectory."""
 
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-import morse
 from morse.rosmsgs.actions import Feedback
 
 #: of the definitions of these actions
@@ -33,23 +31,15 @@ env = Environment("empty", fastmode=True)
 """
 
 
-@pytest.fixture(scope="module")
-def sim(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    script: Path = tmp_path_factory.mktemp("feedback") / "scene.py"
-    script.write_text(SCENE)
-    with morse.load(script) as simulation:
-        yield simulation
+def feedback_of(loaded: Any, name: str, kinds: dict[str, str]) -> Feedback:
+    return Feedback(loaded.context.components[name].interrupt, dict, kinds, lambda fields: fields)
 
 
-def feedback_of(sim: Any, name: str, kinds: dict[str, str]) -> Feedback:
-    return Feedback(sim.context.components[name].interrupt, dict, kinds, lambda fields: fields)
-
-
-def test_a_drive_is_described_by_pose_distance_and_times(sim: Any) -> None:
-    goal = sim.context.components["robot.goal"]
+def test_a_drive_is_described_by_pose_distance_and_times(loaded: Any) -> None:
+    goal = loaded.context.components["robot.goal"]
     goal.setdest(3.0, 4.0, 0.0, 0.1, 2.0)
-    begun = sim.context.clock.stamp()
-    told = feedback_of(sim, "robot.goal", NAVIGATE).message(begun, begun + 1_250_000_000)
+    begun = loaded.context.clock.stamp()
+    told = feedback_of(loaded, "robot.goal", NAVIGATE).message(begun, begun + 1_250_000_000)
     assert told["distance_remaining"] == pytest.approx(5.0)
     assert told["estimated_time_remaining"] == {"sec": 2, "nanosec": 500_000_000}
     assert told["navigation_time"] == {"sec": 1, "nanosec": 250_000_000}
@@ -57,38 +47,38 @@ def test_a_drive_is_described_by_pose_distance_and_times(sim: Any) -> None:
     assert told["current_pose"]["pose"]["position"] == pytest.approx({"x": 0.0, "y": 0.0, "z": 0.0})
     assert "number_of_recoveries" not in told
     # at constant speed, as long as it has to turn first or drives straight, it does not go away
-    sim.step(180)
-    later = feedback_of(sim, "robot.goal", NAVIGATE).message(begun, sim.context.clock.stamp())
+    loaded.step(180)
+    later = feedback_of(loaded, "robot.goal", NAVIGATE).message(begun, loaded.context.clock.stamp())
     assert later["distance_remaining"] < 3.0
     assert later["navigation_time"] == {"sec": 3, "nanosec": 0}
     goal.stop()
-    assert "estimated_time_remaining" not in feedback_of(sim, "robot.goal", NAVIGATE).message(begun, begun)
+    assert "estimated_time_remaining" not in feedback_of(loaded, "robot.goal", NAVIGATE).message(begun, begun)
 
 
-def test_joints_are_described_by_values_setpoints_and_errors(sim: Any) -> None:
-    turret = sim.context.components["robot.turret"]
+def test_joints_are_described_by_values_setpoints_and_errors(loaded: Any) -> None:
+    turret = loaded.context.components["robot.turret"]
     turret.local_data.update(pan=0.5, tilt=-0.25)
-    told = feedback_of(sim, "robot.turret", FOLLOW).message(0, 0)
+    told = feedback_of(loaded, "robot.turret", FOLLOW).message(0, 0)
     assert told["joint_names"] == ["pan", "tilt"]
     assert told["desired"] == {"positions": [0.5, -0.25]}
     actual, error = told["actual"]["positions"], told["error"]["positions"]
     assert [value + rest for value, rest in zip(actual, error, strict=True)] == pytest.approx([0.5, -0.25])
 
 
-def test_an_action_without_known_fields_has_no_feedback(sim: Any) -> None:
-    assert feedback_of(sim, "robot.goal", {"sequence": "sequence<int32>"}).message(0, SECOND) is None
+def test_an_action_without_known_fields_has_no_feedback(loaded: Any) -> None:
+    assert feedback_of(loaded, "robot.goal", {"sequence": "sequence<int32>"}).message(0, SECOND) is None
 
 
-def test_feedback_is_due_five_times_per_second_also_after_a_restart(sim: Any) -> None:
-    feedback = feedback_of(sim, "robot.goal", NAVIGATE)
+def test_feedback_is_due_five_times_per_second_also_after_a_restart(loaded: Any) -> None:
+    feedback = feedback_of(loaded, "robot.goal", NAVIGATE)
     due = [tick for tick in range(60) if feedback.is_due(tick * SECOND // 60)]
     assert len(due) == 5
     assert feedback.is_due(0)
 
 
-def test_a_mistake_of_a_component_is_named(sim: Any, caplog: pytest.LogCaptureFixture) -> None:
-    goal = sim.context.components["robot.goal"]
+def test_a_mistake_of_a_component_is_named(loaded: Any, caplog: pytest.LogCaptureFixture) -> None:
+    goal = loaded.context.components["robot.goal"]
     goal.progress = lambda: 1 / 0
-    assert feedback_of(sim, "robot.goal", NAVIGATE).message(0, 0) is None
+    assert feedback_of(loaded, "robot.goal", NAVIGATE).message(0, 0) is None
     del goal.progress
     assert "the feedback of robot.goal failed: ZeroDivisionError: division by zero" in caplog.text

@@ -11,7 +11,7 @@ import pytest
 from other_side import DOMAIN, PYTHON, SETTINGS, environment, need
 
 from morse.rosmsgs.table import Qos
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 PERIOD, LIMIT = 1 / 30, 60.0
 SIZE = 640 * 480 * 3

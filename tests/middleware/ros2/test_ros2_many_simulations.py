@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from other_side import DOMAIN, SETTINGS, need
 
-from tests.waiting import wait_until
+from tests.kit.waiting import wait_until
 
 LIMIT = 60.0
 SCENE = """

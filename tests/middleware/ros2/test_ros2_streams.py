@@ -2,8 +2,6 @@
 
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ from desk import Desk
 
 import morse
 from morse.core.exceptions import MorseError
+from tests.kit.programs import python
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
@@ -225,7 +224,7 @@ def test_nothing_is_imported_unless_a_scene_asks_for_it(tmp_path: Path) -> None:
         f"with morse.load({str(scene)!r}, sockets=True) as sim: sim.step()\n"
         "print([name for name in ('rclpy', 'cyclonedds', 'morse.rosmsgs.topics.manager') if name in sys.modules])\n"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    done = python("-c", script)
     assert done.stdout.splitlines()[-1:] == ["[]"], done.stderr
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import struct
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from websockets.sync.client import connect
 import morse
 from morse.middleware.foxglove.datastream import FoxgloveHub
 from morse.middleware.web.hub import hub_of
+from tests.kit.scenes import Load
 
 if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection
@@ -41,23 +42,18 @@ PROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 
 
 @pytest.fixture
-def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., tuple[Any, int]]]:
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    running = []
+def start(load: Load) -> Load:
+    def start(components: str = "", options: str = "") -> tuple[Any, int]:
+        sim = load(SCENE.format(components=components, options=options), sockets=True)
+        return sim, hub_of(sim.context, FoxgloveHub).server.port
 
-    def load(components: str = "", options: str = "") -> tuple[Any, int]:
-        scene = tmp_path / "scene.py"
-        scene.write_text(SCENE.format(components=components, options=options))
-        running.append(morse.load(scene, sockets=True))
-        return running[-1], hub_of(running[-1].context, FoxgloveHub).server.port
-
-    yield load
-    for sim in running:
-        sim.close()
+    return start
 
 
 def opened(port: int, *protocols: str, **options: Any) -> ClientConnection:
-    return connect(f"ws://127.0.0.1:{port}", subprotocols=protocols or PROTOCOLS, proxy=None, **options).__enter__()  # type: ignore[arg-type]
+    # with room for all messages: a client that has not read them all would wait ten seconds for the answer to its close
+    options = {"subprotocols": protocols or PROTOCOLS, "proxy": None, "max_queue": None, **options}
+    return connect(f"ws://127.0.0.1:{port}", **options).__enter__()
 
 
 def until(sim: Any, client: ClientConnection, wanted: Callable[[Any], bool]) -> Any:

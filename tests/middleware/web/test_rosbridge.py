@@ -7,7 +7,7 @@ import math
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -25,7 +25,8 @@ from morse.middleware.rosbridge.datastream import RosbridgeHub
 from morse.middleware.web.client import WebClient
 from morse.middleware.web.hub import hub_of
 from morse.middleware.web.topics import WebInlet
-from tests.waiting import wait_until
+from tests.kit.scenes import Load
+from tests.kit.waiting import wait_until
 
 pytestmark = pytest.mark.long
 
@@ -50,26 +51,21 @@ LIMIT = 60.0
 
 
 @pytest.fixture
-def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., tuple[Any, int]]]:
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    running = []
-
-    def load(
+def start(load: Load) -> Load:
+    def start(
         components: str = "", options: str = "", world: str = "empty", port: int = 0, extra: str = "",
         **arguments: Any,
     ) -> tuple[Any, int]:  # fmt: skip
-        scene = tmp_path / "scene.py"
-        scene.write_text(SCENE.format(components=components, options=options, world=world, port=port) + extra)
-        running.append(morse.load(scene, sockets=True, **arguments))
-        return running[-1], hub_of(running[-1].context, RosbridgeHub).server.port
+        text = SCENE.format(components=components, options=options, world=world, port=port) + extra
+        sim = load(text, sockets=True, **arguments)
+        return sim, hub_of(sim.context, RosbridgeHub).server.port
 
-    yield load
-    for sim in running:
-        sim.close()
+    return start
 
 
 def opened(address: str, **options: Any) -> ClientConnection:
-    return connect(address, proxy=None, **options).__enter__()
+    # with room for all messages: a client that has not read them all would wait ten seconds for the answer to its close
+    return connect(address, proxy=None, **{"max_queue": None, **options}).__enter__()
 
 
 class Client:

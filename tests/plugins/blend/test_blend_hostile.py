@@ -17,12 +17,12 @@ from blend_writer import IDENTITY, BlendWriter
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from effort import examples
 from morse.assets.errors import AssetError
 from morse.plugins.blend import BlendError, read_blend
 from morse.plugins.blend.container import load
 from morse.plugins.blend.file import BlendFile
 from morse.scene import Library
+from tests.kit.effort import examples
 
 pytestmark = pytest.mark.long
 

@@ -1,8 +1,6 @@
 """Scripts of MORSE 1.0 to 1.2 run, and `morse check --fix` writes them in the form of today."""
 
 import importlib
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import pytest
 from morse.builder import MorseBuilderNoComponentError, bpymorse
 from morse.builder.script import ScriptError
 from morse.scene import Scene
+from tests.kit.programs import python
 
 Load = Callable[..., Scene]
 
@@ -65,14 +64,7 @@ def test_a_script_runs_and_each_old_form_is_named(load: Load, caplog: pytest.Log
 @pytest.mark.parametrize("module", ["morse.builder", "morse.builder.morsebuilder"])
 def test_check_rewrites_it(load: Load, tmp_path: Path, module: str) -> None:
     (tmp_path / "scene.py").write_text(SCRIPT.replace("from morse.builder import *", f"from {module} import *"))
-    done = subprocess.run(
-        [sys.executable, "-m", "morse", "check", "scene.py", "--fix"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    done = python("-m", "morse", "check", "scene.py", "--fix", folder=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     text = (tmp_path / "scene_fixed.py").read_text()
     for old in ("Actuator(", "delay", "Sensor(", "Arm(", '"morse.actuators'):

@@ -8,19 +8,10 @@ from typing import Any
 from pymavlink.dialects.v20 import common
 
 import morse
+from tests.kit.programs import free_ports
 
 #: simulated seconds after which a test no longer waits
 LIMIT = 120.0
-
-
-def free_ports(count: int) -> list[int]:
-    probes = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
-    for probe in probes:
-        probe.bind(("127.0.0.1", 0))
-    ports = [probe.getsockname()[1] for probe in probes]
-    for probe in probes:
-        probe.close()
-    return ports
 
 
 class GroundStation:
@@ -120,7 +111,7 @@ def fly(
     folder: Path, body: str, *, world: str = "nwu", stations: int = 1, properties: str = "", fastmode: bool = True
 ) -> list[GroundStation]:
     """Load a scene of robots with MAVLink; its ground stations, whose ``sim`` is the simulation."""
-    ports = free_ports(stations)
+    ports = free_ports(stations, socket.SOCK_DGRAM)
     device = ",".join(f"udpout:127.0.0.1:{port}" for port in ports)
     scene = folder / "scene.py"
     scene.write_text(

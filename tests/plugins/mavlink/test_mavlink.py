@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,10 @@ import morse
 from morse.core.exceptions import MorseError
 from morse.plugins.mavlink.axes import Axes
 from morse.plugins.mavlink.framing import Framer
-from tests.waiting import step_until
+from tests.kit import programs
+from tests.kit.programs import free_port
+from tests.kit.scenes import Load
+from tests.kit.waiting import step_until
 
 pytestmark = pytest.mark.long
 
@@ -47,48 +50,23 @@ def _needs_pymavlink() -> None:
         (pytest.fail if os.environ.get("CI") else pytest.skip)("there is no pymavlink: pip install pymavlink")
 
 
-def free_port(kind: int = socket.SOCK_DGRAM) -> int:
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 @pytest.fixture
-def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Any]]:
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    running = []
-
-    def load(
+def start(load: Load) -> Load:
+    def start(
         device: str, components: str, robot: str = "ATRV", place: str = "0, 0, 0", yaw: float = 0.0,
         properties: str = "", options: str = "",
     ) -> Any:  # fmt: skip
-        scene = tmp_path / "scene.py"
         where = {"place": place, "yaw": yaw, "properties": properties}
-        scene.write_text(SCENE.format(device=device, components=components, robot=robot, options=options, **where))
-        running.append(morse.load(scene, sockets=True))
-        return running[-1]
+        text = SCENE.format(device=device, components=components, robot=robot, options=options, **where)
+        return load(text, sockets=True)
 
-    yield load
-    for sim in running:
-        sim.close()
+    return start
 
 
 def talk(sim: Any, device: str, wanted: str, *command: str) -> dict[str, Any]:
     """The messages that the peer has received when it has all wanted ones."""
-    arguments = [sys.executable, str(HERE / "mavlink_peer.py"), device, wanted, *command]
-    with (
-        tempfile.TemporaryFile("w+") as said,
-        tempfile.TemporaryFile("w+") as complaints,
-        subprocess.Popen(arguments, stdout=said, stderr=complaints) as other,
-    ):
-        try:
-            step_until(sim, lambda: other.poll() is not None)
-        finally:
-            other.kill()
-        said.seek(0)
-        complaints.seek(0)
-        assert other.returncode == 0, complaints.read()
-        seen: dict[str, Any] = json.load(said)
+    peer = [sys.executable, str(HERE / "mavlink_peer.py"), device, wanted, *command]
+    seen: dict[str, Any] = json.loads(programs.talk(peer, sim.step))
     assert set(wanted.split(",")) <= seen.keys(), seen.keys()
     return seen
 
@@ -103,7 +81,7 @@ EARTH = "env.properties(longitude=1.4, latitude=43.6, altitude=135.0{more})"
 
 
 def test_what_is_measured_arrives_in_the_axes_of_mavlink(start: Callable[..., Any]) -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     components = "".join(
         [part("Attitude", "attitude"), part("Odometry", "odometry"), part("Pose", "pose"), part("Battery", "battery"),
          part("Thermometer", "thermometer"), part("Barometer", "barometer"), part("Accelerometer", "accelerometer"),
@@ -143,7 +121,7 @@ def test_what_is_measured_arrives_in_the_axes_of_mavlink(start: Callable[..., An
 def test_north_is_where_the_earth_has_it(
     start: Callable[..., Any], world: str, angle: float, north: float, east: float
 ) -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     components = part("Pose", "pose") + part("Attitude", "attitude") + GPS
     earth = EARTH.format(more=f", angle_against_north={angle}")
     sim = start(
@@ -164,11 +142,11 @@ def test_north_is_where_the_earth_has_it(
 def test_a_link_that_has_north_elsewhere_is_refused(start: Callable[..., Any]) -> None:
     gps = "gps = GPS(); gps.level('raw'); robot.append(gps)"
     with pytest.raises(MorseError, match=r"robot.gps finds north at another place .* world='enu'"):
-        start(f"udpout:127.0.0.1:{free_port()}", gps, properties=EARTH.format(more=""))
+        start(f"udpout:127.0.0.1:{free_port(socket.SOCK_DGRAM)}", gps, properties=EARTH.format(more=""))
 
 
 def test_an_autopilot_in_the_loop(start: Callable[..., Any]) -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     components = (
         part("IMU", "imu") + part("Barometer", "barometer") + "gps = GPS(); gps.level('raw'); robot.append(gps)\n"
         "motors = QuadrotorDynamicControl(); robot.append(motors); motors.add_stream('mavlink', full=800.0)\n"
@@ -195,7 +173,7 @@ def test_an_autopilot_in_the_loop(start: Callable[..., Any]) -> None:
 
 
 def test_a_gimbal_looks_where_it_is_told_and_wheels_say_how_far_they_went(start: Callable[..., Any]) -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     components = "".join(
         ["head = PTU(); robot.append(head); angles = PTUPosture('angles'); head.append(angles)\n",
          part("WheelEncoders", "wheels", StepsPerTurn=0), part("MotionVWDiff", "motion")]
@@ -248,7 +226,7 @@ def test_covariances_turn_with_the_axes() -> None:
 
 @pytest.mark.parametrize("yaw_given", [False, True])
 def test_a_place_to_fly_to(start: Callable[..., Any], yaw_given: bool) -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     sim = start(f"udpin:127.0.0.1:{port}", "goal = RotorcraftWaypoint(); robot.append(goal)", robot="Quadrotor")
     mask = 0b101111111000 if yaw_given else 0b111111111000
     command = json.dumps(["set_position_target_local_ned_send", 0, 0, 0, 1, mask, 10, 5, -2, 0, 0, 0, 0, 0, 0, 0.5, 0])
@@ -261,7 +239,7 @@ def test_a_place_to_fly_to(start: Callable[..., Any], yaw_given: bool) -> None:
 
 
 def test_an_attitude_to_take(start: Callable[..., Any]) -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     sim = start(f"udpin:127.0.0.1:{port}", "stick = RotorcraftAttitude(); robot.append(stick)", robot="Quadrotor")
     roll = 0.2
     q = [math.cos(roll / 2.0), math.sin(roll / 2.0), 0.0, 0.0]
@@ -275,7 +253,7 @@ def test_an_attitude_to_take(start: Callable[..., Any]) -> None:
 
 
 def test_a_velocity_in_the_axes_of_the_robot(start: Callable[..., Any]) -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     sim = start(f"udpin:127.0.0.1:{port}", "motion = MotionVW(); robot.append(motion)")
     mask = 0b010111000111
     command = ["set_position_target_local_ned_send", 0, 1, 0, 8, mask, 0, 0, 0, 0.5, 0, 0, 0, 0, 0, 0, 0.25]
@@ -286,7 +264,7 @@ def test_a_velocity_in_the_axes_of_the_robot(start: Callable[..., Any]) -> None:
 
 
 def test_obstacles_clockwise_from_ahead(start: Callable[..., Any]) -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     scan = "scan = Hokuyo(); scan.properties(scan_window=180.0, resolution=1.0); robot.append(scan)\n"
     box = 'box = PassiveObject("props/objects", "BoxStand"); box.translate(x=3.0, y=2.0)\n'
     sim = start(f"udpout:127.0.0.1:{port}", scan + "scan.translate(z=0.3)\n" + box)
@@ -305,7 +283,7 @@ def test_obstacles_clockwise_from_ahead(start: Callable[..., Any]) -> None:
 
 
 def test_garbage_and_strangers_do_no_harm(start: Callable[..., Any]) -> None:
-    udp, tcp = free_port(), free_port(socket.SOCK_STREAM)
+    udp, tcp = free_port(socket.SOCK_DGRAM), free_port()
     components = (
         "motion = MotionVW(); robot.append(motion)\n"
         f"motion.add_stream('mavlink', device='udpin:127.0.0.1:{udp}')\n"
@@ -342,7 +320,7 @@ def test_garbage_and_strangers_do_no_harm(start: Callable[..., Any]) -> None:
 
 
 def test_the_other_side_comes_and_goes(start: Callable[..., Any]) -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     sim = start(f"tcp:127.0.0.1:{port}", part("Pose", "pose"))
     sim.step(30)  # without a peer
     for _ in range(2):
@@ -352,7 +330,7 @@ def test_the_other_side_comes_and_goes(start: Callable[..., Any]) -> None:
 
 
 def test_who_does_not_read_stops_nobody(start: Callable[..., Any]) -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     scans = "".join(part("Pose", f"pose{number}") for number in range(20))
     sim = start(f"tcpin:127.0.0.1:{port}", scans)
     with socket.create_connection(("127.0.0.1", port)):
@@ -433,12 +411,12 @@ def test_without_the_extra_the_line_that_installs_it_is_said(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20", None)
     with pytest.raises(MorseError, match=r'pip install "pymavlink>=2.4.40,<3"'):
-        start(f"udpout:127.0.0.1:{free_port()}", part("Pose", "pose"))
+        start(f"udpout:127.0.0.1:{free_port(socket.SOCK_DGRAM)}", part("Pose", "pose"))
 
 
 def test_the_example_of_the_documentation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     page = (DOCS / "mavlink.md").read_text(encoding="utf-8").replace("14550", str(port))
     blocks = [block.partition("```")[0] for block in page.split("```python\n")[1:]]
     scene, program = blocks[0], next(block for block in blocks if "import mavutil" in block)

@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.kit.programs import free_port
+
 pytest.importorskip("pymavlink")
 
 from hil_controller import Controller
@@ -41,12 +43,6 @@ env.configure_stream_manager("mavlink", device="tcpin:127.0.0.1:{port}", hil=Tru
 
 #: in the order of the bits of fields_updated
 FIELDS = ("xacc", "yacc", "zacc", "xgyro", "ygyro", "zgyro", "xmag", "ymag", "zmag", "abs_pressure")
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class Autopilot(threading.Thread):

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
 from test_mavlink_flight import station
 
-from effort import examples
 from morse.plugins.mavlink.autopilot.pilot import MESSAGES
+from tests.kit.effort import examples
 
 __all__ = ["station"]
 

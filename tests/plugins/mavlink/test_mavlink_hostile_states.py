@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from test_mavlink_flight import station
 from test_mavlink_states import VEHICLES, _altered, under_way
 
-from effort import examples
 from morse.core.state import StateError
+from tests.kit.effort import examples
 
 __all__ = ["station"]
 

@@ -1,6 +1,7 @@
 """Every plugin of MAVSDK that asks a vehicle for something: it works, or it is refused by its code and at once."""
 
 import json
+import socket
 import subprocess
 import sys
 import tempfile
@@ -12,9 +13,8 @@ import pytest
 
 pytest.importorskip("pymavlink")
 
-from ground_station import free_ports
-
 import morse
+from tests.kit.programs import free_port
 
 PEER = Path(__file__).with_name("mavsdk_plugins_peer.py")
 LIMIT = 280.0
@@ -48,7 +48,7 @@ pytestmark = [
 @pytest.mark.peer("mavsdk", does="calls of 20 plugins work or are refused by their codes; takes and downloads photos")
 def test_each_plugin_has_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    (port,) = free_ports(1)
+    port = free_port(socket.SOCK_DGRAM)
     (tmp_path / "default.py").write_text(
         "from morse.builder import *\nrobot = Quadrotor()\nrobot.translate(z=0.2)\n"
         "goal = RotorcraftWaypoint()\nrobot.append(goal)\n"

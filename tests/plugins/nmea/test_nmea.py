@@ -10,8 +10,8 @@ import time
 
 import pytest
 
-import morse
 from morse.plugins.nmea.sentences import angle, sentence, sentences
+from tests.kit.waiting import wait_until
 
 SCENE = """
 robot = ATRV()
@@ -29,18 +29,8 @@ env.configure_stream_manager('nmea', port=0)
 
 
 @pytest.fixture
-def load(tmp_path):
-    made = []
-
-    def start(script):
-        path = tmp_path / "scene.py"
-        path.write_text("from morse.builder import *\n" + script)
-        made.append(morse.load(path, sockets=True))
-        return made[-1]
-
-    yield start
-    for simulation in made:
-        simulation.close()
+def load(load):
+    return lambda script: load(script, sockets=True)
 
 
 @pytest.fixture
@@ -51,13 +41,6 @@ def gps(load):
         return simulation, manager.receivers["robot.gps"]
 
     return start
-
-
-def waited(condition, seconds=60.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "nothing has happened for a minute"
-        time.sleep(0.01)
 
 
 def fields_of(line: bytes) -> list[str]:
@@ -100,7 +83,7 @@ def test_a_client_gets_position_time_speed_and_course(gps) -> None:
     simulation, receiver = gps()
     simulation.robot.motion.publish({"v": 2.0, "w": 0.0})
     with socket.create_connection(("127.0.0.1", receiver.port)) as client:
-        waited(lambda: receiver.is_read)
+        wait_until(lambda: receiver.is_read)
         simulation.step(150)
         client.settimeout(60.0)
         stream = client.makefile("rb")
@@ -124,7 +107,7 @@ def test_a_client_gets_position_time_speed_and_course(gps) -> None:
 def test_the_default_level_has_positions_alone(gps) -> None:
     simulation, receiver = gps(level="simple", options="talker='GN'")
     with socket.create_connection(("127.0.0.1", receiver.port)) as client:
-        waited(lambda: receiver.is_read)
+        wait_until(lambda: receiver.is_read)
         simulation.step(3)
         client.settimeout(60.0)
         assert fields_of(client.makefile("rb").readline())[0] == "GNGGA"
@@ -144,7 +127,7 @@ def test_a_pseudo_terminal_is_a_serial_line(gps) -> None:
     assert simulation.failures == ()
     line = os.open(receiver.path, os.O_RDONLY | os.O_NOCTTY)
     try:
-        waited(lambda: select.select([line], [], [], 1.0)[0])
+        wait_until(lambda: select.select([line], [], [], 1.0)[0])
         # the first sentence may have lost its beginning
         clock = fields_of(os.read(line, 4096).splitlines(True)[3])[1]
     finally:
@@ -162,11 +145,11 @@ def test_silent_connections_do_not_take_the_place_of_who_reads(gps) -> None:
             return stack.enter_context(socket.create_connection(("127.0.0.1", receiver.port), timeout=60.0))
 
         reader = connected()
-        waited(lambda: receiver.is_read)
+        wait_until(lambda: receiver.is_read)
         reader.sendall(b"\xb5\x62\x06\x08" * 400_000)  # settings for a receiver, without the end of a line
         for _ in range(300):
             connected()
-        waited(lambda: receiver._server.connected >= 255)
+        wait_until(lambda: receiver._server.connected >= 255)
         simulation.step(1)
         assert reader.recv(6) == b"$GPGGA"
 
@@ -203,7 +186,7 @@ def test_clients_that_never_read_and_many_of_them_cost_the_simulation_nothing(gp
             client = connected()
             with contextlib.suppress(OSError):
                 client.sendall([b"", b"GET / HTTP/1.1\r\n\r\n", b"\x00" * 5000, b"$PMTK000*32\r\n"][number % 4])
-        waited(lambda: receiver.is_read)
+        wait_until(lambda: receiver.is_read)
         simulation.step(600)
         reader = connected()
         reader.setblocking(False)

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import sysconfig
@@ -16,6 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.kit.programs import free_port
+from tests.kit.waiting import wait_until
 
 #: directory of rospy in Debian
 DEBIAN = "/usr/lib/python3/dist-packages"
@@ -42,13 +44,6 @@ def environment(uri: str, *folders: Path) -> dict[str, str]:
         "ROS_HOSTNAME": "127.0.0.1",
         "MORSE_SOCKET_PORT": "0",
     }
-
-
-def free_port() -> int:
-    """A free port."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 def _answers(uri: str) -> bool:
@@ -101,11 +96,8 @@ def simulation(scene: Path, uri: str, *options: str, folders: tuple[Path, ...] =
             command, env=environment(uri, *folders), stdout=file, stderr=subprocess.STDOUT, cwd=scene.parent
         ) as process:
             try:
-                end = time.monotonic() + _LIMIT
-                while "SCENE INITIALIZED" not in log.read_text():
-                    assert process.poll() is None, log.read_text()
-                    assert time.monotonic() < end, log.read_text()
-                    time.sleep(0.05)
+                wait_until(lambda: process.poll() is not None or "SCENE INITIALIZED" in log.read_text())
+                assert process.poll() is None, log.read_text()
                 yield log
                 assert process.poll() is None, log.read_text()
             finally:

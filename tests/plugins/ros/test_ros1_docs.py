@@ -6,7 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from master import environment, free_port, master, need_ros, run, simulation
+from master import environment, master, need_ros, run, simulation
+
+from tests.kit.programs import free_port
 
 BLOCKS = (Path(__file__).parents[3] / "docs" / "ros1.md").read_text(encoding="utf-8").split("```python\n")[1:]
 CASE = """

@@ -4,7 +4,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from master import environment, free_port, master, need_ros
+from master import environment, master, need_ros
+
+from tests.kit.programs import free_port
 
 
 def test_a_new_master_knows_the_topics() -> None:

@@ -1,11 +1,10 @@
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from yarp_names import Names
 
-import morse
+from tests.kit.scenes import Load
 
 SCENE = """
 from morse.builder import *
@@ -25,17 +24,11 @@ def names() -> Iterator[Names]:
 
 
 @pytest.fixture
-def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Any]]:
+def load(load: Load) -> Load:
     """Loads a robot with some components."""
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    running = []
 
-    def made(port: int, components: str, world: str = "empty", fastmode: bool = True, **options: Any) -> Any:
-        script = tmp_path / "scene.py"
-        script.write_text(SCENE.format(components=components, port=port, world=world, fastmode=fastmode))
-        running.append(morse.load(script, sockets=True, **options))
-        return running[-1]
+    def start(port: int, components: str, world: str = "empty", fastmode: bool = True, **options: Any) -> Any:
+        text = SCENE.format(components=components, port=port, world=world, fastmode=fastmode)
+        return load(text, sockets=True, **options)
 
-    yield made
-    for sim in running:
-        sim.close()
+    return start

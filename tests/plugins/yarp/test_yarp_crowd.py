@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from event_loops import run_apart
 from morse.core.clients.budgets import Arrivals
 from morse.plugins.yarp.port import Port
 from morse.wire.listener import listen, port_of
+from tests.kit.waiting import run_apart
 
 
 def test_connections_that_do_not_speak_have_a_limit(caplog: pytest.LogCaptureFixture) -> None:

@@ -15,7 +15,7 @@ from yarp_wire import Line, Reader, exactly, number
 
 from morse.core.exceptions import MorseError
 from morse.plugins.yarp.bottle import decode, encode
-from tests.waiting import step_until
+from tests.kit.waiting import step_until
 
 LIMIT = 100.0
 #: the carrier tcp, and the name of a sender

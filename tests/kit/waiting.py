@@ -1,7 +1,9 @@
 """Waiting for what other threads and processes do: until a condition holds, with a limit of wall-clock time."""
 
+import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 #: s; much more than a loaded machine needs
@@ -41,3 +43,9 @@ def step_until(simulation: Any, condition: Callable[[], object], what: str = "",
         assert time.monotonic() < end, f"not within {limit:g} s: {what or condition}"
         time.sleep(0.001)  # the other threads need the lock of the interpreter
         simulation.step()
+
+
+def run_apart(coroutine: Coroutine[Any, Any, _T]) -> _T:
+    """Run a coroutine in another thread: the loop of Playwright may run in this one, after a test with a browser."""
+    with ThreadPoolExecutor(1) as threads:
+        return threads.submit(asyncio.run, coroutine).result()
