@@ -21,6 +21,8 @@ ROWS = [
     ("core.clients.budgets", "RAY", 16, "sizes of images", "as 16 pixels"),
     ("core.clients.budgets", "LEAST_RATE", 10.0, "sizes of images", "less than 10 "),
     ("simulation.population", "_MOST_ROOTS", 20_000, "objects of a scene", "20,000"),
+    ("simulation.population", "_MOST_COMPONENTS", 200, "robots, sensors and actuators", "200"),
+    ("simulation.population", "_SHORTEST_STEP", 0.0005, "time step", "0.5 ms"),
     ("core.validation.names", "LONGEST_NAME", 100, "names of what", "100 letters"),
     ("builder.assembly.spawning", "_MOST_CALLS", 100, "calls that set up", "100,"),
     ("viewer.editor", "_MOST_CHANGES", 1000, "unsaved changes", "1,000"),

@@ -4,6 +4,7 @@ import pytest
 
 import morse
 from morse.builder import ATRV, IMU, Environment, Pose
+from pymorse import MorseServiceFailed
 
 STEP = """<mujoco><option timestep="{step}"/><worldbody><body name="b"><freejoint/><geom size="0.1"/></body></worldbody>
 </mujoco>"""
@@ -46,3 +47,59 @@ def test_sensors_come_and_go_between_measurements(samples: str, more: str) -> No
             simulation.delete("guest")
         simulation.step(2)
         assert simulation.robot.imu.get()["timestamp"] == pytest.approx(simulation.clock.time)
+
+
+SENSORS = {
+    "camera": "<camera><image><width>16</width><height>16</height></image></camera>",
+    "imu": "",
+    "contact": "<contact><collision>c</collision></contact>",
+}
+
+
+def with_sensors(kind: str, count: int) -> str:
+    sensor = f'<sensor name="s{{}}" type="{kind}"><update_rate>1</update_rate>{SENSORS[kind]}</sensor>'
+    return (
+        '<sdf version="1.7"><model name="m"><link name="base"><collision name="c"><geometry><box><size>1 1 1</size>'
+        f"</box></geometry></collision>{''.join(map(sensor.format, range(count)))}</link></model></sdf>"
+    )
+
+
+@pytest.mark.parametrize("kind", SENSORS)
+@pytest.mark.parametrize("count", [200, 2000])
+def test_what_a_client_spawns_has_a_budget_of_components(kind: str, count: int) -> None:
+    with morse.load(scene) as simulation:
+        before = simulation.state_hash()
+        with pytest.raises(MorseServiceFailed, match="more than 200 robots, sensors and actuators"):
+            simulation.rpc("simulation", "spawn", "guest", with_sensors(kind, count), [5.0, 0.0, 2.0])
+        assert simulation.state_hash() == before
+        assert "guest" not in simulation.world.objects_by_name
+        simulation.rpc("simulation", "spawn", "guest", with_sensors(kind, 3), [5.0, 0.0, 2.0])
+        assert len([name for name in simulation.context.components if name.startswith("guest.")]) == 3
+
+
+def test_a_program_spawns_more_than_a_client() -> None:
+    with morse.load(scene) as simulation:
+        simulation.spawn("guest", with_sensors("imu", 210), (5.0, 0.0, 2.0))
+        assert len([name for name in simulation.context.components if name.startswith("guest.")]) == 210
+
+
+@pytest.mark.parametrize("step", ["1e-12", "1e-4", "0.00049"])
+def test_the_text_of_a_client_does_not_set_a_short_time_step(step: str) -> None:
+    with morse.load(scene) as simulation:
+        before = simulation.world.model.opt.timestep
+        with pytest.raises(MorseServiceFailed, match=r"clients may spawn descriptions with 0\.0005 s or more"):
+            simulation.rpc("simulation", "spawn", "guest", STEP.format(step=step), [5.0, 0.0, 2.0])
+        assert simulation.world.model.opt.timestep == before
+        simulation.rpc("simulation", "spawn", "guest", STEP.format(step="0.0005"), [5.0, 0.0, 2.0])
+        assert simulation.world.model.opt.timestep == pytest.approx(0.0005, rel=0.03)
+
+
+def test_a_recording_repeats_what_a_client_was_refused() -> None:
+    with morse.load(scene) as simulation, morse.load(scene) as other:
+        with simulation.record_inputs() as recording:
+            simulation.step(2)
+            with pytest.raises(MorseServiceFailed):
+                simulation.rpc("simulation", "spawn", "guest", with_sensors("imu", 300), [5.0, 0.0, 2.0])
+            simulation.step(2)
+        other.replay(recording)
+        assert other.state_hash() == simulation.state_hash()

@@ -184,7 +184,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part, metaclass=_Whole):
             raise TypeError(f"set_blender_object takes an object of the scene, got {checks.shown(obj)}")
         if not self.is_complete:
             # not checked earlier: a script may continue after a model was not found
-            workspace.current().components.append(self)
+            workspace.current().register(self)
         self._bpy_object = obj
 
     def select(self) -> None:

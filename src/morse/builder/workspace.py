@@ -89,9 +89,13 @@ class Workspace:
         notices: what the log has said about old code, with the line.
         speed: frequency that ``bpymorse.set_speed`` has set before the environment exists.
         script: the script itself, kept so that its functions still find their names.
+
+    Args:
+        most_components: the largest number of components; None for any number.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, most_components: int | None = None) -> None:
+        self._most_components = most_components
         self.roots: list[Node] = []
         self.components: list[Part] = []
         self.models: list[ModelUse] = []
@@ -106,6 +110,19 @@ class Workspace:
         self._nodes: dict[str, Node] = {}
         self._counters: dict[str, int] = {}
         self._triangles = TriangleLimit()
+
+    def register(self, component: Part) -> None:
+        """Add a component.
+
+        Raises:
+            MorseBuilderError: there are too many.
+        """
+        if self._most_components is not None and len(self.components) >= self._most_components:
+            raise MorseBuilderError(
+                f"it has more than {self._most_components} robots, sensors and actuators, which is the budget for what "
+                "a client spawns; a scene script may have any number"
+            )
+        self.components.append(component)
 
     def add(self, root: Node) -> None:
         """Add a node and all nodes below it to the scene; ``.001``, ``.002``, ... is appended to existing names.
@@ -254,10 +271,10 @@ def reset() -> Workspace:
 
 
 @contextmanager
-def described() -> Iterator[Workspace]:
-    """An empty scene, which is the current scene within the block."""
+def described(most_components: int | None = None) -> Iterator[Workspace]:
+    """An empty scene, which is the current scene within the block; see `Workspace`."""
     global _current, _described
-    before, _current = _current, Workspace()
+    before, _current = _current, Workspace(most_components)
     _described += 1
     try:
         yield _current

@@ -32,7 +32,9 @@ class Population(Protocol):
 class Populated(Protocol):
     """The part of a simulation that the services need."""
 
-    def spawn(self, name: str, kind: str, position: Sequence[float], rotation: Sequence[float]) -> object:
+    def spawn(
+        self, name: str, kind: str, position: Sequence[float], rotation: Sequence[float], *, by_client: bool
+    ) -> object:
         """Spawn a robot or an object."""
 
     def delete(self, name: str) -> None:
@@ -81,7 +83,8 @@ class PopulationServices(AbstractObject):
         own = kind if is_description(kind) else kind.partition("\n")[0]
         if not is_description(kind) and not OWN_CLASS.fullmatch(own):
             check_model(own, self._folders())
-        self._attempt(lambda: self._simulation.spawn(name, kind, position or [0.0] * 3, orientation or [0.0] * 3))
+        place, angles = position or [0.0] * 3, orientation or [0.0] * 3
+        self._attempt(lambda: self._simulation.spawn(name, kind, place, angles, by_client=True))
         return name
 
     @service(changes=False)  # the simulation records the call itself

@@ -28,6 +28,7 @@ from morse.core.exceptions import MorseBuilderError
 from morse.core.reports.quoting import nearest, short, shown
 from morse.core.state import StateError
 from morse.core.validation.names import check_component_name, check_name
+from morse.helpers.descriptions import is_description
 from morse.recording.made.made import Made
 from morse.scene import Scene
 from morse.simulation.loader import connect, load_components
@@ -46,6 +47,10 @@ _T = TypeVar("_T")
 _NO_MAKERS: Mapping[str, Callable[[], object]] = MappingProxyType({})
 #: maximum number of objects in a scene, so that clients cannot exhaust the memory
 _MOST_ROOTS = 20_000
+#: of what a client spawns at once: all others wait for the 2 ms that a component takes; hands have 92 sensors of touch
+_MOST_COMPONENTS = 200
+#: of the text of a client, s: all robots are moved at the shortest step
+_SHORTEST_STEP = 0.0005
 
 
 class PopulationState(TypedDict):
@@ -166,11 +171,13 @@ class Population:
         kind: str | Callable[[], object],
         position: Sequence[float],
         rotation: Sequence[float],
+        *,
+        by_client: bool = False,
     ) -> None:
         """Spawn a robot or an object, or a component of a robot at a pose in the frame of the robot.
 
         Raises:
-            MorseBuilderError: see `check`; or there is no such kind.
+            MorseBuilderError: see `check`; or there is no such kind; or a client spawns more than its budget.
             LoadError: a component cannot be created.
             ValueError: the engine refuses the shape of the object.
         """
@@ -178,7 +185,9 @@ class Population:
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
         robot = self._robot_of(name)
-        newcomer = self._describe(name, kind, position, rotation)
+        newcomer = self._describe(name, kind, position, rotation, _MOST_COMPONENTS if by_client else None)
+        if by_client and isinstance(kind, str) and is_description(kind):
+            _check_step(name, newcomer.roots)
         if robot is not None:
             for declaration in newcomer.components:
                 declaration.robot = robot
@@ -208,7 +217,12 @@ class Population:
         self._changed()
 
     def _describe(
-        self, name: str, kind: str | Callable[[], object], position: Sequence[float], rotation: Sequence[float]
+        self,
+        name: str,
+        kind: str | Callable[[], object],
+        position: Sequence[float],
+        rotation: Sequence[float],
+        most_components: int | None,
     ) -> Newcomer:
         simulation = self._simulation
         scene = simulation.scene
@@ -224,7 +238,9 @@ class Population:
                     newcomer = describe_component(name, make, calls, position, rotation, scene.nodes(), interfaces)
                 else:
                     make = maker_of(kind) if isinstance(kind, str) else kind
-                    newcomer = describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
+                    newcomer = describe_newcomer(
+                        name, make, position, rotation, scene.nodes(), interfaces, most_components
+                    )
             except (OSError, SyntaxError) as error:
                 raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
         if isinstance(kind, str):
@@ -640,3 +656,18 @@ def _sort(table: dict[str, _T], order: Mapping[str, int]) -> None:
 
 def _accept(kind: str) -> None:
     """Refuse no kind."""
+
+
+def _check_step(name: str, roots: Sequence[Node]) -> None:
+    """Check the time step of an MJCF text.
+
+    Raises:
+        MorseBuilderError: it is shorter than what clients may set.
+    """
+    for node in (node for root in roots for node in root.walk()):
+        model = None if node.articulation is None else node.articulation.model
+        if model is not None and model.step < _SHORTEST_STEP:
+            raise MorseBuilderError(
+                f"'{short(name)}' has a time step of {model.step:g} s, and clients may spawn descriptions with "
+                f"{_SHORTEST_STEP:g} s or more, because all robots are moved at it; a scene script may have less"
+            )

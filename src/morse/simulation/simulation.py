@@ -442,6 +442,8 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
         kind: str | Callable[[], object],
         position: Sequence[float] = (0.0, 0.0, 0.0),
         rotation: Sequence[float] = (0.0, 0.0, 0.0),
+        *,
+        by_client: bool = False,
     ) -> object:
         """Spawn a robot or an object between two ticks.
 
@@ -452,19 +454,21 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
                 returns a component of `morse.builder`: a robot with sensors and actuators, for example.
             position: x, y, z in the world, m.
             rotation: roll, pitch, yaw, rad.
+            by_client: whether a client asks for it, for whom there are budgets.
 
         Returns:
             The handle of a robot; None for another object.
 
         Raises:
-            MorseBuilderError: the name is invalid or already exists, or there is no such kind.
+            MorseBuilderError: the name is invalid or already exists, or there is no such kind, or it is beyond a
+                budget.
             LoadError: a component cannot be created.
             ValueError: the engine refuses the shape of the object.
         """
         self._check_open()
         self.population.check(name, kind, position, rotation)
         with self.journal.input(SPAWN, name, (kind, list(position), list(rotation))):
-            self.population.spawn(name, kind, position, rotation)
+            self.population.spawn(name, kind, position, rotation, by_client=by_client)
         return self._all_handles().get(normalized(name))
 
     def delete(self, name: str) -> None:

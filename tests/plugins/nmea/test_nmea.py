@@ -54,6 +54,29 @@ def fields_of(line: bytes) -> list[str]:
     return body.split(",")
 
 
+def test_a_reader_with_nothing_to_say_reads_on(gps):
+    simulation, receiver = gps()
+    with socket.create_connection(("127.0.0.1", receiver.port), 60.0) as client:
+        client.shutdown(socket.SHUT_WR)
+        waited(lambda: receiver.is_read)
+        client.setblocking(False)
+        read = b""
+        end = time.monotonic() + 60.0
+        while read.count(b"\r\n") < 30:  # many measurements after the end of its own data
+            simulation.step(1)
+            with contextlib.suppress(BlockingIOError):
+                more = client.recv(1 << 16)
+                assert more, "the connection was closed"
+                read += more
+            assert time.monotonic() < end
+    # it has left: the next writes fail, and nobody is read any more
+    end = time.monotonic() + 60.0
+    while receiver.is_read:
+        simulation.step(1)
+        time.sleep(0.001)
+        assert time.monotonic() < end
+
+
 def test_the_checksum_is_that_of_the_standard() -> None:
     # the example of the specification of GGA
     assert sentence("GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,").endswith(b"*47\r\n")

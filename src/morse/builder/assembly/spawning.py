@@ -67,6 +67,7 @@ def describe_newcomer(
     rotation: Sequence[float],
     present: Iterable[Node],
     interfaces: Iterable[str],
+    most_components: int | None = None,
 ) -> Newcomer:
     """Return the robot or object that a function of the builder describes, with a name and a pose.
 
@@ -77,11 +78,13 @@ def describe_newcomer(
         rotation: roll, pitch, yaw, rad.
         present: nodes of the running scene; what comes has none of their names.
         interfaces: names of the middlewares to which a robot is connected.
+        most_components: the largest number of its components; None for any number.
 
     Raises:
-        MorseBuilderError: the function does not return a robot or an object, or the name already exists.
+        MorseBuilderError: the function does not return a robot or an object, the name already exists, or there are too
+            many components.
     """
-    with workspace.described() as described:
+    with workspace.described(most_components) as described:
         newcomer = make()
         if isinstance(newcomer, Newcomer):
             return _checked(newcomer, present)

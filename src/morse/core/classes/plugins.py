@@ -74,7 +74,9 @@ def entry_points(group: str) -> tuple[EntryPoint, ...]:
     Args:
         group: name of the group; it has to begin with ``morse.``.
     """
-    projects = [_of_project(Path(entry)) for entry in dict.fromkeys(sys.path)]
+    # asked for each component of a scene
+    sources = [entry for entry in dict.fromkeys(sys.path) if os.path.basename(os.path.normpath(entry)) == "src"]
+    projects = [_of_project(Path(entry)) for entry in sources]
     own = [point for _, points in projects for point in points if point.group == group]
     names = {name for name, _ in projects if name}
     # what was installed of a project that runs from its folder may be older than its pyproject.toml
@@ -97,8 +99,6 @@ def _normal(name: str) -> str:
 def _of_project(source: Path) -> tuple[str, tuple[EntryPoint, ...]]:
     """The name and the entry points of a project with this directory of sources."""
     file = source.parent / "pyproject.toml"
-    if source.name != "src":
-        return _NOTHING
     try:
         return _of_file(file, file.stat().st_mtime_ns)
     except OSError:

@@ -48,6 +48,10 @@ class _Reader(LineClient):
         """Drop it, also without ends of lines."""
         self.is_welcome(data)
 
+    def eof_received(self) -> bool:
+        """Keep the connection: who has nothing to send may close this side, and reads on; else the next write fails."""
+        return True
+
 
 class Receiver:
     """A port, and possibly a serial line, of one GPS.
