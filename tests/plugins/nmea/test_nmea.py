@@ -58,7 +58,7 @@ def test_a_reader_with_nothing_to_say_reads_on(gps):
     simulation, receiver = gps()
     with socket.create_connection(("127.0.0.1", receiver.port), 60.0) as client:
         client.shutdown(socket.SHUT_WR)
-        waited(lambda: receiver.is_read)
+        wait_until(lambda: receiver.is_read)
         client.setblocking(False)
         read = b""
         end = time.monotonic() + 60.0
