@@ -9,14 +9,21 @@ from typing import TYPE_CHECKING, Self
 
 from morse.core.reports.quoting import nearest
 from morse.scene import Control
-from morse.scene.joint_wheels import JointWheel, centre_of_mass, driven_wheels, joint_wheels, rolling_wheels
+from morse.scene.joint_wheels import (
+    JointWheel,
+    centre_of_mass,
+    dragging_links,
+    driven_wheels,
+    joint_wheels,
+    rolling_wheels,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from morse.core.values import Fields
     from morse.core.world import Body, Joints
-    from morse.scene.joint_wheels import JointWheel
+    from morse.scene import Node
 
 
 #: unit and range of the properties of drives that are lengths of wheels, or between wheels
@@ -118,14 +125,14 @@ def differential_drive(robot: Body, left: Sequence[str], right: Sequence[str]) -
     wheels = joint_wheels(robot.node)
     if not left and not right:
         pairs = driven_wheels(wheels)
-        return _drive(*pairs, centre_of_mass(robot.node)) if all(pairs) else None
+        return _drive(robot.node, *pairs) if all(pairs) else None
     if not left or not right:
         raise ValueError(f"only wheels on one side are named, left={', '.join(left)!r}, right={', '.join(right)!r}")
     by_name = {wheel.joint: wheel for wheel in wheels}
     for name in (*left, *right):
         if name not in by_name:
             raise ValueError(f"there is no joint '{name}' that turns{nearest(name, by_name)}; {joint_list(robot)}")
-    return _drive([by_name[name] for name in left], [by_name[name] for name in right], centre_of_mass(robot.node))
+    return _drive(robot.node, [by_name[name] for name in left], [by_name[name] for name in right])
 
 
 def joint_list(robot: Body) -> str:
@@ -136,7 +143,7 @@ def joint_list(robot: Body) -> str:
     return f"its joints that turn: {names[:600]}" if names else "it has no joints that turn"
 
 
-def _drive(left: list[JointWheel], right: list[JointWheel], centre: float | None) -> DifferentialDrive:
+def _drive(robot: Node, left: list[JointWheel], right: list[JointWheel]) -> DifferentialDrive:
     wheels = [*left, *right]
     separation = fmean(one.y for one in left) - fmean(one.y for one in right)
     # the names of files of older versions of Gazebo are exchanged
@@ -147,8 +154,8 @@ def _drive(left: list[JointWheel], right: list[JointWheel], centre: float | None
         (side,) * len(left) + (-side,) * len(right),
         tuple(-1.0 if is_lateral and one.along < 0.0 else 1.0 for one in wheels),
         tuple(one.radius for one in wheels),
-        2.0 * _lever(wheels, abs(separation) / 2.0, centre),
-        tuple(_hindrances(wheels)),
+        2.0 * _lever(wheels, abs(separation) / 2.0, centre_of_mass(robot)),
+        (*_hindrances(wheels), *_brakes(robot, wheels)),
     )
 
 
@@ -179,6 +186,16 @@ def _hindrances(wheels: Sequence[JointWheel]) -> Iterator[str]:
                 f"{motor.speed * one.radius:.2g} m/s"
             )
             break
+
+
+def _brakes(robot: Node, wheels: Sequence[JointWheel]) -> Iterator[str]:
+    """What reaches the ground beside the wheels, a text each."""
+    if all(one.radius for one in wheels):
+        for name, depth in dragging_links(robot, wheels)[:1]:
+            yield (
+                f"the link '{name}' reaches the ground at the start, {max(1e3 * depth, 0.0):.0f} mm below the wheels, "
+                "and brakes or lifts them: move its joint first"
+            )
 
 
 def _lever(wheels: Sequence[JointWheel], half: float, centre: float | None) -> float:

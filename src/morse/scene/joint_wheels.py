@@ -35,6 +35,8 @@ _ABOVE = 0.25
 _CORNERS = 24
 #: wheels nearer to the middle than this part of the largest distance turn nothing
 _MIDDLE = 0.2
+#: what ends at most this much above the ground, m, drags on it
+_TOUCHES = 0.001
 #: sine of the smallest angle between the axis of a joint that steers and the ground: the joints of a leg do not
 _STEERS = 0.7
 #: largest difference of the sides of a box around a wheel, as a part of its radius
@@ -160,6 +162,25 @@ def centre_of_mass(robot: Node) -> float | None:
             x = float(place[0] + matmul(turn, np.array(node.inertial.centre))[0])
             total, moment = total + node.inertial.mass, moment + node.inertial.mass * x
     return moment / total if total else None
+
+
+def dragging_links(robot: Node, driven: Sequence[JointWheel]) -> list[tuple[str, float]]:
+    """The links behind joints with limits that reach the ground on which wheels stand, and how far below it, m."""
+    ground = min(one.z - one.radius for one in driven)
+    base, found = rigid_frame(robot), []
+    for armature in robot.walk():
+        limited: set[str] = set()
+        for bone in armature.bones:
+            moves = bone.kind is not JointKind.FIXED and bone.dynamics is not None and bone.dynamics.limited
+            if moves or (bone.parent >= 0 and armature.bones[bone.parent].name in limited):
+                limited.add(bone.name)
+        limited -= {wheel.joint for wheel in driven}
+        for link in armature.children:
+            clouds = [points for _, _, _, points in _clouds(link, base)] if link.bone in limited else []
+            lowest = min((float(points[:, 2].min()) for points in clouds), default=ground + 1.0)
+            if lowest < ground + _TOUCHES:
+                found.append((link.name.rpartition("/")[2], ground - lowest))
+    return found
 
 
 def rolling_wheels(wheels: Sequence[JointWheel], driven: Sequence[str]) -> list[str]:

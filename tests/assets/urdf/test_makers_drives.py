@@ -197,3 +197,14 @@ def test_a_robot_that_floats_beside_a_marker_is_free(robot, marker) -> None:
     simulation = robot(marked + BASE + ROUND + REAR + FRONT)
     assert simulation.robot.pose.get()["z"] == pytest.approx(0.0, abs=0.005)
     assert driven(simulation)[0] == pytest.approx(1.2, rel=0.02)
+
+
+@pytest.mark.parametrize(("reach", "words"), [(0.1, ""), (0.16, "reaches the ground"), (0.25, "below the wheels")])
+def test_an_arm_that_reaches_the_ground_is_named(robot, caplog, reach, words) -> None:
+    arm = _link("hand", 0.3, f'<box size="0.04 0.04 {reach}"/>', f'xyz="0 0 {-reach / 2}"') + _joint(
+        "wrist", "revolute", "hand", 'xyz="0.3 0 0.15"', rest='<limit lower="-1" upper="1" effort="9" velocity="1"/>'
+    )
+    with caplog.at_level(logging.WARNING):
+        robot(BASE + ROUND + REAR + FRONT + arm)
+    assert ("the link 'hand' reaches the ground" in caplog.text) == bool(words)
+    assert words in caplog.text
