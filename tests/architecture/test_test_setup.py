@@ -1,6 +1,7 @@
 """Assumptions of the tests."""
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -90,7 +91,8 @@ def test_tests_see_nothing_of_the_person_who_runs_them(
     (folder / "scene.py").write_text("1 / 0\n")
     (folder / "ranger_sim").mkdir()
     (tests / "test_person.py").write_text(PERSON)
-    (tests / "conftest.py").write_text((TESTS / "conftest.py").read_text())
+    shutil.copy(TESTS / "conftest.py", tests)
+    shutil.copytree(TESTS / "kit", tests / "kit")
     # as if nobody had begun a run of tests
     for name in ("MORSE_TEST_SESSION", "PYTEST_XDIST_WORKER", "PYTEST_XDIST_TESTRUNUID"):
         monkeypatch.delenv(name, raising=False)
