@@ -9,7 +9,7 @@ from morse.many import scene_cache as module
 from morse.many.run import run_once
 from morse.many.scene_cache import SceneCache
 from morse.many.study import Study
-from tests.effort import examples
+from tests.kit.effort import examples
 from tests.many.many_scenes import crowded_arena
 
 
