@@ -5,9 +5,7 @@ from __future__ import annotations
 import functools
 import importlib
 import shutil
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,7 +13,7 @@ import typer.core
 import typer.main
 
 from morse.cli.messages import CommandError, complain, nearest, sentence
-from morse.core.classes.plugins import PluginError, entry_points, load
+from morse.core.classes.plugins import PluginError, entry_points, load, use_project_here
 from morse.core.exceptions import MorseError
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.reports.printing import echo
@@ -114,8 +112,7 @@ _MODULES = {
 
 def _names() -> list[str]:
     """The names of all commands: those of MORSE, then those of plug-ins and of the project in this folder, sorted."""
-    if Path("pyproject.toml").is_file() and (project := str(Path("src").absolute())) not in sys.path:
-        sys.path.append(project)
+    use_project_here()
     return [*_MODULES, *dict.fromkeys(point.name for point in entry_points(_GROUP) if point.name not in _MODULES)]
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import platform
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.core.classes.plugins import PluginError, entry_points, load
+from morse.core.classes.plugins import PluginError, entry_points, load, use_project_here
 from morse.core.reports.printing import echo
 from morse.middleware.registry import Middleware
 from morse.version import __version__
@@ -68,9 +67,7 @@ class Plugin:
 
 def plugins() -> Iterator[Plugin]:
     """All plug-ins, by what they bring."""
-    project = str(Path("src").absolute())
-    if Path("pyproject.toml").is_file() and project not in sys.path:
-        sys.path.append(project)
+    use_project_here()
     for group, brings in _GROUPS.items():
         for point in entry_points(group):
             yield _examined(point, brings)

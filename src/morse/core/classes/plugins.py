@@ -85,6 +85,13 @@ def entry_points(group: str) -> tuple[EntryPoint, ...]:
     return tuple(sorted(points, key=lambda point: (point.name, point.value)))
 
 
+def use_project_here() -> None:
+    """Put the sources of the project in the working directory on the import path, at its end, if there is one."""
+    project = str(Path("src").absolute())
+    if Path("pyproject.toml").is_file() and project not in sys.path:
+        sys.path.append(project)
+
+
 def _distribution(point: EntryPoint) -> str:
     """The name of the installed package of an entry point; empty if it is unknown."""
     # the folder of a package that was half removed has no name

@@ -1,0 +1,245 @@
+"""What the check of a lesson uses: the simulation, the program of the student, and what is right."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+import reprlib
+import sys
+import threading
+import time
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+import morse
+from morse.core.reports.faults import describe
+from morse.plugins.lessons.catalog import PROGRAM, Lesson
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from types import ModuleType
+
+    from morse import Simulation
+
+
+#: wall-clock seconds that one call of a student's function may take
+LONGEST_CALL = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A point of a check.
+
+    Attributes:
+        what: what is expected, as a sentence.
+        is_right: whether it is so.
+        hint: what is so instead, and what might help; empty if it is right.
+    """
+
+    what: str
+    is_right: bool
+    hint: str = ""
+
+    def as_data(self) -> dict[str, object]:
+        """Plain data for JSON."""
+        return asdict(self)
+
+
+class WrongProgramError(Exception):
+    """The program of the student raises an error, or does not return what the lesson needs."""
+
+
+class Attempt:
+    """A student's program in the scene of a lesson.
+
+    Args:
+        lesson: the lesson.
+        folder: the folder with the program.
+        is_shown: whether the simulation has a live view and runs in real time.
+        record: the file of a recording of the first simulation.
+
+    Attributes:
+        findings: what has been said by `expect`.
+    """
+
+    def __init__(self, lesson: Lesson, folder: Path, is_shown: bool = False, record: Path | None = None) -> None:
+        self.findings: list[Finding] = []
+        self._lesson = lesson
+        self._folder = folder
+        self._is_shown = is_shown
+        self._record = record
+        self._simulation: Simulation | None = None
+        self._student: ModuleType | None = None
+        self._watch: _Watch | None = None
+
+    # -- for checks ------------------------------------------------------------------------
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation of the scene of the lesson, or of the scene that `load` has loaded last."""
+        return self._simulation if self._simulation is not None else self.load(self.scene)
+
+    @property
+    def scene(self) -> Callable[[], object]:
+        """The scene of the lesson."""
+        return self._lesson.module.scene  # type: ignore[no-any-return]
+
+    def load(self, scene: Callable[[], object]) -> Simulation:
+        """Load a scene, in the place of the present one, if any, and measure; the program starts anew."""
+        self.close()
+        self._student = None
+        record, self._record = self._record, None
+        self._simulation = morse.load(
+            scene, on_failure="raise", view="web" if self._is_shown else None, record=record, seed=1
+        )
+        if self._is_shown and self._simulation.view is not None:
+            print(f"* The live view: {self._simulation.view.url}", flush=True)
+        self._simulation.measure()
+        return self._simulation
+
+    def step(self, seconds: float) -> None:
+        """Let simulated time pass, in real time if the lesson is shown; then all sensors measure."""
+        if self._is_shown:
+            self.simulation.run(seconds)
+        else:
+            self.simulation.sleep(seconds)
+        self.simulation.measure()
+
+    def call(self, name: str, *arguments: object) -> object:
+        """Call a function of the student's program, and return what it returns.
+
+        Raises:
+            WrongProgramError: there is no such function, or it raises an error.
+        """
+        function = getattr(self._program(), name, None)
+        if not callable(function):
+            raise WrongProgramError(f"{PROGRAM} has no function {name}(): it may have been renamed")
+        return self._watched(f"{name}()", lambda: function(*arguments))
+
+    def numbers(self, count: int, name: str, *arguments: object) -> tuple[float, ...]:
+        """Call a function of the student's program that returns a tuple of finite numbers.
+
+        Raises:
+            WrongProgramError: there is no such function, it raises an error, or returns something else.
+        """
+        return _numbers(name, self.call(name, *arguments), count, f"{count} numbers")
+
+    def number(self, name: str, *arguments: object) -> float:
+        """Call a function of the student's program that returns a finite number; see `numbers`."""
+        (value,) = _numbers(name, [self.call(name, *arguments)], 1, "a number")
+        return value
+
+    def expect(self, is_right: object, what: str, hint: str = "") -> bool:
+        """Say whether something is right.
+
+        Args:
+            is_right: whether it is.
+            what: what is expected, as a sentence: "The robot stops before the wall."
+            hint: what is so instead, and what might help.
+        """
+        self.findings.append(Finding(what, bool(is_right), "" if is_right else hint))
+        return bool(is_right)
+
+    # -- for those who run checks ----------------------------------------------------------
+
+    def run(self, on_endless: Callable[[], None]) -> None:
+        """Run the check.
+
+        Args:
+            on_endless: called in another thread if a function of the student does not return; the process ends then.
+        """
+        self._watch = _Watch(self, on_endless)
+        try:
+            self._lesson.module.check(self)
+        except WrongProgramError as error:
+            self.expect(False, "The program runs.", str(error))
+        except Exception as error:  # the lesson may be one of a teacher
+            self.expect(False, "The check runs.", f"the lesson itself has failed: {describe(error)}")
+        finally:
+            self._watch.close()
+            if not self._is_shown:
+                self.close()
+
+    def close(self) -> None:
+        """End the simulation."""
+        simulation, self._simulation = self._simulation, None
+        if simulation is not None:
+            simulation.close()
+
+    def _program(self) -> ModuleType:
+        if self._student is None:
+            file = self._folder / PROGRAM
+            if not file.is_file():
+                raise WrongProgramError(f"there is no file {file}")
+            spec = importlib.util.spec_from_file_location("controller", file)
+            if spec is None or spec.loader is None:
+                raise WrongProgramError(f"{file} cannot be imported")
+            module, loader = importlib.util.module_from_spec(spec), spec.loader
+            if str(self._folder) not in sys.path:
+                sys.path.insert(0, str(self._folder))
+            self._watched("the program", lambda: loader.exec_module(module))
+            self._student = module
+        return self._student
+
+    def _watched(self, what: str, function: Callable[[], object]) -> object:
+        watch = self._watch
+        if watch is not None:
+            watch.begin(what)
+        try:
+            return function()
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # the program of a student may raise anything
+            raise WrongProgramError(describe(error)) from None
+        finally:
+            if watch is not None:
+                watch.end()
+
+
+def _numbers(name: str, result: object, count: int, expected: str) -> tuple[float, ...]:
+    given = result[0] if count == 1 and isinstance(result, list) else result
+    try:
+        values = tuple(float(part) for part in result)  # type: ignore[attr-defined]
+    except Exception:  # a student may return anything
+        values = ()
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise WrongProgramError(f"{name}() returned {reprlib.repr(given)}, expected {expected}") from None
+    return values
+
+
+class _Watch:
+    """Ends the process if a function of the student does not return, after the line has been noted."""
+
+    def __init__(self, attempt: Attempt, on_endless: Callable[[], None]) -> None:
+        self._attempt, self._on_endless = attempt, on_endless
+        self._main = threading.get_ident()
+        self._what = ""
+        self._since: float | None = None
+        self._closed = threading.Event()
+        threading.Thread(target=self._look, daemon=True, name="watch of a lesson").start()
+
+    def begin(self, what: str) -> None:
+        self._what, self._since = what, time.monotonic()
+
+    def end(self) -> None:
+        self._since = None
+
+    def close(self) -> None:
+        self._closed.set()
+
+    def _look(self) -> None:
+        while not self._closed.wait(0.25):
+            since = self._since
+            if since is not None and time.monotonic() - since > LONGEST_CALL:
+                self._attempt.expect(False, "The program runs.", f"{self._what} has not returned{self._line()}")
+                self._on_endless()
+                os._exit(1)
+
+    def _line(self) -> str:
+        frame = sys._current_frames().get(self._main)
+        while frame is not None and not frame.f_code.co_filename.endswith(PROGRAM):
+            frame = frame.f_back
+        where = "" if frame is None else f": it is in line {frame.f_lineno} of {PROGRAM}"
+        return f" after {LONGEST_CALL:g} s{where}. Is this an endless loop?"

@@ -1,0 +1,152 @@
+"""``morse lesson``: list, start, show and check lessons, and make a table for a class."""
+
+from __future__ import annotations
+
+import csv
+import os
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from morse.core.exceptions import MorseError
+from morse.core.reports.printing import echo, harmless_paragraph
+from morse.plugins.lessons.attempt import Attempt
+from morse.plugins.lessons.catalog import PROGRAM, Lesson, LessonError, lesson, lessons
+from morse.plugins.lessons.examining import Result, examine
+
+_ACTIONS = ("start", "show", "check", "task")
+_TABLE = "lessons.csv"
+
+
+def command(
+    action: Annotated[
+        str | None, typer.Argument(help="start, show, check or task; without it, all lessons.", show_default=False)
+    ] = None,
+    name: Annotated[str | None, typer.Argument(help="Name of the lesson.", show_default=False)] = None,
+    folder: Annotated[
+        Path | None,
+        typer.Option("--folder", metavar="FOLDER", help="Folder of the program; by default the name of the lesson."),
+    ] = None,
+    results: Annotated[
+        Path | None,
+        typer.Option("--class", metavar="FOLDER", help="Check all lessons of a class: a folder for each student."),
+    ] = None,
+    record: Annotated[Path | None, typer.Option("--record", metavar="FILE", help="With show: record the run.")] = None,
+) -> int:
+    """List the lessons, start one, show the robot with your program, or check the program.
+
+    `morse lesson start line` writes the folder `line` with the task, the scene and a program to complete. `morse lesson
+    check line` says what is right and what is missing; its status is 0 if all is right. With --class, a table of all
+    students and lessons is printed and written to `lessons.csv`.
+    """
+    if results is not None:
+        return _check_class(results)
+    if action is None:
+        return _list()
+    if action not in _ACTIONS:
+        known = action in lessons()[0]
+        hint = f": do you mean `morse lesson start {action}`?" if known else f", expected {', '.join(_ACTIONS)}"
+        raise LessonError(f"there is no action '{action}'{hint}")
+    if name is None:
+        raise LessonError(f"which lesson? `morse lesson {action} NAME`; `morse lesson` lists them all")
+    chosen = lesson(name.rstrip("/"))
+    place = folder if folder is not None else Path(chosen.name)
+    if action == "start":
+        chosen.write(place)
+        echo(f"* {chosen.title}: {place / 'README.md'} says what to do, {place / PROGRAM} is yours.")
+        return 0
+    if action == "task":
+        echo(f"{chosen.title}\n\n{chosen.task}")
+        return 0
+    if not (place / PROGRAM).is_file():
+        raise LessonError(f"there is no file {place / PROGRAM}: `morse lesson start {chosen.name}` writes it")
+    return _show(chosen, place, record) if action == "show" else _report(examine(chosen, place))
+
+
+def _list() -> int:
+    found, wrong = lessons()
+    width = max((len(name) for name in found), default=0)
+    for name, each in found.items():
+        begun = "  (begun here)" if (Path(name) / PROGRAM).is_file() else ""
+        echo(f"{name:<{width}}  {harmless_paragraph(each.title)}{begun}")
+    for reason in wrong:
+        echo(f"* Warning: {harmless_paragraph(reason)}", err=True)
+    echo("\n`morse lesson start NAME` begins one, in a folder of its name.")
+    return 1 if wrong else 0
+
+
+def _report(result: Result) -> int:
+    _print(result)
+    return 0 if result.is_passed else 1
+
+
+def _print(result: Result) -> None:
+    for finding in result.findings:
+        echo(f"[{'right' if finding.is_right else 'WRONG'}] {harmless_paragraph(finding.what)}")
+        if finding.hint:
+            echo(f"        {harmless_paragraph(finding.hint)}")
+    right = sum(finding.is_right for finding in result.findings)
+    echo(f"* {right} of {len(result.findings)} points." + (" Passed." if result.is_passed else ""))
+
+
+def _show(chosen: Lesson, place: Path, record: Path | None) -> int:
+    attempt = Attempt(chosen, place.absolute(), is_shown=True, record=record)
+    try:
+        attempt.run(lambda: _print(Result(tuple(attempt.findings))))
+        status = _report(Result(tuple(attempt.findings)))
+        echo("* Ctrl+C ends the view.")
+        attempt.simulation.run()
+    except KeyboardInterrupt:
+        return 130
+    finally:
+        attempt.close()
+    return status
+
+
+def _check_class(results: Path) -> int:
+    """A table of the points of all students, who have a folder each."""
+    if not results.is_dir():
+        raise LessonError(f"there is no folder {results}")
+    found, wrong = lessons()
+    for reason in wrong:
+        echo(f"* Warning: {harmless_paragraph(reason)}", err=True)
+    students = sorted(path for path in results.iterdir() if path.is_dir() and not path.name.startswith("."))
+    tasks = [
+        (student.name, each)
+        for student in students
+        for each in found.values()
+        if (student / each.name / PROGRAM).is_file()
+    ]
+    if not tasks:
+        raise LessonError(
+            f"{results} has no program: expected STUDENT/LESSON/{PROGRAM}, for instance anna/line/{PROGRAM}"
+        )
+    used = [each.name for each in found.values() if any(task[1] is each for task in tasks)]
+
+    def points(task: tuple[str, Lesson]) -> str:
+        student, each = task
+        result = examine(each, results / student / each.name, is_quiet=True)
+        text = f"{sum(finding.is_right for finding in result.findings)}/{len(result.findings)}"
+        echo(f"* {harmless_paragraph(student)}, {each.name}: {text}", err=True)
+        return text
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+        marks = dict(zip([(student, each.name) for student, each in tasks], pool.map(points, tasks), strict=True))
+    rows = [["student", *used], *([s.name, *(marks.get((s.name, name), "–") for name in used)] for s in students)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    for row in rows:
+        echo("  ".join(harmless_paragraph(cell).ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+    try:
+        with (results / _TABLE).open("w", newline="", encoding="utf-8") as file:
+            # a spreadsheet takes 3/4 for a date, and the name of a folder for a formula
+            csv.writer(file).writerows([[_text(cell) for cell in row] for row in rows])
+    except OSError as error:
+        raise MorseError(f"{results / _TABLE} cannot be written: {error.strerror or error}") from None
+    return 0
+
+
+def _text(cell: str) -> str:
+    cell = cell.replace("/", " of ") if cell[:1].isdigit() else cell
+    return f"'{cell}" if cell[:1] in "=+-@\t\r" else cell

@@ -1,0 +1,98 @@
+"""Control a height: P, PD, PID.
+
+A lift of 2 kg hangs in the air. Write `step`, which returns the force of its motor, so that it rises from 0.5 m to
+2 m: within 5 s it stays within 2 cm, and it never rises higher than 2.2 m. Gravity pulls it down with 19.6 N, but your
+program does not know this number: the load changes, and in the second trial it is heavier.
+
+* P: a force in proportion to the error. It swings, and hangs too low. Why?
+* D: less force for a higher speed. It swings less, and still hangs too low.
+* I: the sum of the errors over time grows until the error is gone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.plugins.lessons.attempt import Attempt
+
+START = '''
+"""Control a height."""
+
+
+class Controller:
+    """Remembers what it needs from step to step."""
+
+    def __init__(self):
+        self.sum = 0.0
+        self.before = None
+
+    def step(self, target, height, seconds):
+        """Return the force, N, from 0 to 60.
+
+        Args:
+            target: the height that is wanted, m.
+            height: the present height, m.
+            seconds: the time since the last step, s.
+        """
+        return 0.0
+
+
+controller = Controller()
+
+
+def step(target, height, seconds):
+    return controller.step(target, height, seconds)
+'''
+
+_TARGET, _START = 2.0, 0.5
+
+
+def scene() -> None:
+    from morse.builder import Environment, ForceTorque, Pose, Quadrotor
+
+    lift = Quadrotor("lift")
+    lift.translate(z=0.5)
+    lift.properties(GroundRobot=False)
+    lift.set_mass(2.0)
+    force = ForceTorque("motor")
+    lift.append(force)
+    pose = Pose("pose")
+    lift.append(pose)
+
+    env = Environment("empty")
+    env.set_camera_location([0.0, -5.0, 1.5])
+    env.set_camera_rotation([1.5, 0.0, 0.0])
+    env.show(plots=["lift.pose.z"])
+
+
+def _heights(attempt, load):
+    """The heights of ten seconds, 50 a second."""
+    lift = attempt.load(attempt.scene).lift
+    heights: list[float] = []
+    for _ in range(600):
+        height = lift.pose.data["z"] if heights else _START
+        force = attempt.number("step", _TARGET, height, 1 / 60)
+        lift.motor.publish({"force": [0.0, 0.0, max(0.0, min(60.0, force)) - load], "torque": [0.0, 0.0, 0.0]})
+        attempt.step(1 / 60)
+        heights.append(lift.pose.data["z"])
+    return heights
+
+
+def check(attempt: Attempt) -> None:
+    for load, name in ((0.0, "The lift"), (8.0, "The heavier lift")):
+        heights = _heights(attempt, load)
+        attempt.expect(
+            max(heights) > 1.5, f"{name} rises above 1.5 m.", f"It rises to {max(heights):.2f} m: more force."
+        )
+        attempt.expect(
+            1.5 < max(heights) <= 2.2,
+            f"{name} stays below 2.2 m.",
+            f"It rises to {max(heights):.2f} m: it needs damping (D).",
+        )
+        off = max(abs(height - _TARGET) for height in heights[300:])
+        attempt.expect(
+            off <= 0.02,
+            f"{name} is within 2 cm after 5 s.",
+            f"It is up to {100 * off:.1f} cm off, {heights[-1]:.2f} m high at the end: add the sum of errors (I).",
+        )

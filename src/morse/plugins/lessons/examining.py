@@ -1,0 +1,108 @@
+"""Runs the check of a lesson in a process of its own: the program of a student may do anything.
+
+The process writes the findings into a file. It has the rights of the user: check programs that you do not trust in a
+container.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.plugins.lessons.attempt import Attempt, Finding
+from morse.plugins.lessons.catalog import Lesson, lesson
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: wall-clock seconds of a whole check
+_LONGEST = 300.0
+#: largest file of findings, bytes
+_LARGEST = 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The result of a check.
+
+    Attributes:
+        findings: the points of the check; at least one.
+        output: what the program has printed, if that was asked for.
+    """
+
+    findings: tuple[Finding, ...]
+    output: str = ""
+
+    @property
+    def is_passed(self) -> bool:
+        """Whether all is right."""
+        return all(finding.is_right for finding in self.findings)
+
+
+def examine(what: Lesson, folder: Path, *, is_quiet: bool = False, seconds: float = _LONGEST) -> Result:
+    """Check the program of a student.
+
+    Args:
+        what: the lesson.
+        folder: the folder with the program.
+        is_quiet: whether what the program prints is kept instead of shown.
+        seconds: the longest wall-clock time of the check.
+    """
+    with tempfile.TemporaryDirectory() as place:
+        file = Path(place) / "findings.json"
+        command = [sys.executable, "-m", "morse.plugins.lessons.examining", what.name, str(folder), str(file)]
+        output = subprocess.PIPE if is_quiet else None
+        try:
+            done = subprocess.run(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT if is_quiet else None,
+                timeout=seconds,
+                check=False,
+                errors="replace",
+            )
+        except subprocess.TimeoutExpired:
+            return Result((Finding("The check ends.", False, f"it has not ended after {seconds:g} s"),))
+        findings = _read(file)
+        if not findings:
+            findings = (Finding("The check ends.", False, f"its process ended with status {done.returncode}"),)
+        return Result(findings, done.stdout or "")
+
+
+def _read(file: Path) -> tuple[Finding, ...]:
+    try:
+        with file.open("rb") as data:
+            rows = json.loads(data.read(_LARGEST))
+        return tuple(Finding(str(row["what"]), row["is_right"] is True, str(row["hint"])) for row in rows)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return ()
+
+
+def main(words: Sequence[str]) -> int:
+    """Check a program: the name of the lesson, the folder of the student, the file of the findings."""
+    name, folder, file = words
+    logging.disable(logging.WARNING)  # a student reads findings, not the log of the simulation
+    attempt = Attempt(lesson(name), Path(folder).absolute())
+
+    def write() -> None:
+        Path(file).write_text(json.dumps([finding.as_data() for finding in attempt.findings]), encoding="utf-8")
+
+    try:
+        attempt.run(write)
+    except KeyboardInterrupt:
+        return 130
+    with contextlib.suppress(OSError):
+        write()
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,85 @@
+"""The lessons: what is handed out fails with hints, a solution passes, and a solution with a fault fails."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from morse.plugins.lessons.attempt import Attempt
+from morse.plugins.lessons.catalog import lesson, lessons
+
+SOLUTIONS = Path(__file__).parent / "solutions"
+NAMES = sorted(path.stem for path in SOLUTIONS.glob("*.py"))
+
+
+def findings(name, folder, text):
+    (folder / "controller.py").write_text(text, encoding="utf-8")
+    attempt = Attempt(lesson(name), folder)
+    attempt.run(lambda: None)
+    return attempt.findings
+
+
+def test_there_is_a_solution_of_each():
+    found, wrong = lessons()
+    assert not wrong
+    assert sorted(found) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_solution_passes(name, tmp_path):
+    wrong = [f for f in findings(name, tmp_path, (SOLUTIONS / f"{name}.py").read_text()) if not f.is_right]
+    assert not wrong
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_file_that_is_handed_out_runs_and_fails_with_a_hint(name, tmp_path):
+    points = findings(name, tmp_path, lesson(name).module.START)
+    assert not any(f.what in ("The program runs.", "The check runs.") for f in points)
+    assert any(not f.is_right and f.hint for f in points)
+
+
+#: lesson, a part of the solution, the fault in its place
+FAULTS = [
+    ("line", "1.4 * error", "-1.4 * error"),
+    ("line", "0.9 - 0.5 * abs(error)", "0.2"),
+    ("wall", "0.9 * (1.0 - right)", "0.9 * (right - 1.0)"),
+    ("wall", "if ahead < 1.4", "if ahead < 0.3"),
+    ("pid", "+ self.sum", "+ 0.0"),
+    ("pid", "- 18.0 * speed", ""),
+    ("odometry", "yaw + turn / 2", "yaw"),
+    ("odometry", "math.remainder(yaw + turn, math.tau)", "yaw + turn"),
+    ("odometry", "seconds**2 / 2", "seconds**2"),
+    ("dock", "width >= 14", "width >= 40"),
+    ("dock", "return 0.0, 0.6", "return 0.0, 0.0"),
+    ("traffic", "from_right and theirs < 2.5", "False and theirs < 2.5"),
+    ("traffic", "from_right and theirs < 2.5", "theirs < 2.5"),
+    ("mapping", "yaw + math.radians(k - 180)", "math.radians(k - 180)"),
+    ("mapping", "distance < 19.9", "True"),
+    ("planning", "> 0.52", "> 0.0"),
+    ("planning", "return None", "return [start, goal]"),
+    ("gates", "math.sin(yaw), z)", "math.sin(yaw), z + 1.1)"),
+    ("tuning", "min(costs)", "max(costs)"),
+    ("testing", "(5.0, 0.3)", "(5.0,)"),
+    ("testing", "max(map(abs, speeds)) > 1.0", "False"),
+    ("search", "visited.get(cell, 0) + 1", "1000"),
+]
+
+
+@pytest.mark.parametrize(("name", "part", "fault"), FAULTS)
+def test_a_planted_fault_is_found(name, part, fault, tmp_path):
+    text = (SOLUTIONS / f"{name}.py").read_text()
+    assert part in text
+    points = findings(name, tmp_path, text.replace(part, fault))
+    assert any(not f.is_right for f in points)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_scene_script_is_complete(name, tmp_path):
+    import morse
+
+    lesson(name).write(tmp_path / name)
+    with morse.load(tmp_path / name / "scene.py", on_warning="raise") as simulation:
+        simulation.step(2)
+    shutil.rmtree(tmp_path / name)

@@ -1,0 +1,201 @@
+"""``morse lesson``: lists, starts and checks; programs that crash, hang or return nonsense get a hint."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from morse.cli.app import execute
+from morse.plugins.lessons.catalog import lesson
+from morse.plugins.lessons.course import ORDER
+from morse.plugins.lessons.examining import examine
+
+SOLUTIONS = Path(__file__).parent / "solutions"
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_all_lessons_are_listed(here, capsys):
+    assert execute(["lesson"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split(None, 1) == ["line", "Follow a line"]
+    assert sum(line.split(None, 1)[0] in ORDER for line in lines if line) == len(ORDER)
+
+
+def test_a_lesson_is_started_checked_and_passed(here, capfd):
+    assert execute(["lesson", "start", "odometry"]) == 0
+    assert sorted(path.name for path in (here / "odometry").iterdir()) == ["README.md", "controller.py", "scene.py"]
+    assert execute(["lesson", "check", "odometry"]) == 1
+    assert "[WRONG] The yaw is right within 0.01 rad." in capfd.readouterr().out
+    shutil.copy(SOLUTIONS / "odometry.py", here / "odometry" / "controller.py")
+    assert execute(["lesson", "check", "odometry"]) == 0
+    assert "6 of 6 points. Passed." in capfd.readouterr().out
+
+
+def test_the_program_of_a_student_is_not_overwritten(here, capsys):
+    assert execute(["lesson", "start", "line"]) == 0
+    (here / "line" / "controller.py").write_text("mine = 1\n")
+    assert execute(["lesson", "start", "line"]) == 1
+    assert (here / "line" / "controller.py").read_text() == "mine = 1\n"
+    assert "exists already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["lesson", "check"], "which lesson?"),
+        (["lesson", "check", "lin"], "did you mean 'line'"),
+        (["lesson", "line"], "do you mean `morse lesson start line`"),
+        (["lesson", "chek", "line"], "expected start, show, check, task"),
+        (["lesson", "check", "wall"], "`morse lesson start wall` writes it"),
+        (["lesson", "check", "../../etc"], "there is no lesson"),
+        (["lesson", "--class", "nowhere"], "there is no folder nowhere"),
+    ],
+)
+def test_wrong_words_get_the_right_ones(here, capsys, words, said):
+    assert execute(words) == 1
+    assert said.lower() in capsys.readouterr().err.lower()
+
+
+@pytest.mark.parametrize(
+    ("program", "hint"),
+    [
+        ("def step(image:\n", "line 1"),
+        ("import sys\nsys.exit(0)\n", "SystemExit"),
+        ("x = 1\n", "has no function step()"),
+        ("def step():\n    return 0, 0\n", "step() takes 0 positional arguments"),
+        ("def step(image):\n    return image.no_such\n", 'controller.py", line 2'),
+        ("def step(image):\n    return None\n", "step() returned None, expected 2 numbers"),
+        ("def step(image):\n    return float('nan'), 0\n", "expected 2 numbers"),
+        ("def step(image):\n    return 1, 2, 3\n", "expected 2 numbers"),
+        ("def step(image):\n    return step(image)\n", "RecursionError"),
+        ("import os\ndef step(image):\n    os._exit(0)\n", "its process ended with status 0"),
+        ("def step(image):\n    raise BaseException('\\x1b[31m')\n", "BaseException"),
+    ],
+)
+def test_a_faulty_program_gets_a_hint(tmp_path, program, hint):
+    (tmp_path / "controller.py").write_text(program, encoding="utf-8")
+    result = examine(lesson("line"), tmp_path, is_quiet=True)
+    assert not result.is_passed
+    assert hint in " ".join(finding.hint for finding in result.findings)
+    assert "Traceback" not in result.output
+
+
+def test_an_endless_loop_is_named_with_its_line(tmp_path):
+    (tmp_path / "controller.py").write_text("def step(image):\n    while True:\n        pass\n")
+    code = (
+        "import sys; from morse.plugins.lessons import attempt, examining; attempt.LONGEST_CALL = 0.5;"
+        "examining.main(sys.argv[1:])"
+    )
+    file = tmp_path / "findings.json"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "line", str(tmp_path), str(file)], timeout=120, check=False, capture_output=True
+    )
+    assert done.returncode == 1
+    (finding,) = json.loads(file.read_text())
+    assert re.search(r"it is in line [23] of controller.py. Is this an endless loop", finding["hint"])
+
+
+def test_a_class_gets_a_table(here, capsys):
+    for student, text in (
+        ("anna", (SOLUTIONS / "odometry.py").read_text()),
+        ("=HYPERLINK(1)", "x = 1\n"),
+        ("carl", "def update(way, turn):\n    return 0, 0, 0\ndef drift(a, b, c):\n    return a * b * c**2 / 2\n"),
+    ):
+        folder = here / "results" / student / "odometry"
+        folder.mkdir(parents=True)
+        (folder / "controller.py").write_text(text)
+    (here / "results" / "dora").mkdir()
+    assert execute(["lesson", "--class", "results"]) == 0
+    rows = list(csv.reader((here / "results" / "lessons.csv").open(encoding="utf-8")))
+    assert rows == [
+        ["student", "odometry"],
+        ["'=HYPERLINK(1)", "0 of 1"],
+        ["anna", "6 of 6"],
+        ["carl", "3 of 6"],
+        ["dora", "–"],
+    ]
+    assert "anna" in capsys.readouterr().out
+
+
+LESSON = '''
+"""Drive to 2 m.
+
+Drive straight ahead, to x = 2 m.
+"""
+
+START = """
+def speed(x):
+    return 0.0
+"""
+
+
+def scene():
+    from morse.builder import ATRV, Environment, MotionVW, Pose
+
+    robot = ATRV("robot")
+    robot.append(MotionVW("motion"))
+    robot.append(Pose("pose"))
+    Environment("empty")
+
+
+def check(attempt):
+    robot = attempt.simulation.robot
+    for _ in range(50):
+        robot.motion.publish({"v": attempt.number("speed", robot.pose.data["x"]), "w": 0.0})
+        attempt.step(0.1)
+    x = robot.pose.data["x"]
+    attempt.expect(abs(x - 2.0) < 0.1, "The robot is at x = 2 m.", f"It is at x = {x:.1f} m.")
+'''
+
+
+@pytest.fixture
+def course(here, monkeypatch):
+    """A course of a teacher, in a project."""
+    (here / "src/my_course").mkdir(parents=True)
+    (here / "src/my_course/__init__.py").touch()
+    (here / "src/my_course/two_metres.py").write_text(LESSON.lstrip())
+    (here / "pyproject.toml").write_text(
+        '[project]\nname = "my-course"\n\n[project.entry-points."morse.lessons"]\nmine = "my_course"\n'
+    )
+    for name in [name for name in sys.modules if name.partition(".")[0] == "my_course"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    return here
+
+
+def test_a_teacher_adds_lessons(course, capsys):
+    assert execute(["lesson"]) == 0
+    assert "two_metres  Drive to 2 m" in capsys.readouterr().out
+    assert execute(["lesson", "start", "two_metres"]) == 0
+    assert execute(["lesson", "check", "two_metres"]) == 1
+    (course / "two_metres/controller.py").write_text("def speed(x):\n    return 1.0 if x < 1.97 else 0.0\n")
+    assert execute(["lesson", "check", "two_metres"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("raise OSError('no')", "OSError: no"),
+        ("import sys; sys.exit()", "SystemExit"),
+        ('"""X."""', "it lacks scene, check, START"),
+        ("def check(", "SyntaxError"),
+    ],
+)
+def test_a_broken_lesson_is_named_and_the_others_work(course, capsys, text, said):
+    (course / "src/my_course/broken.py").write_text(text)
+    assert execute(["lesson"]) == 1
+    output = capsys.readouterr()
+    assert "Follow a line" in output.out
+    assert said in output.err
