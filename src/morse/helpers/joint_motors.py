@@ -11,10 +11,10 @@ from morse.core.reports.quoting import nearest
 from morse.scene import Control
 from morse.scene.joint_wheels import (
     JointWheel,
-    centre_of_mass,
     dragging_links,
     driven_wheels,
     joint_wheels,
+    mass_and_centre,
     rolling_wheels,
 )
 
@@ -88,6 +88,8 @@ _LATERAL = 0.5
 _HALVINGS = 30
 #: friction of wheels, below which they are said to slip
 _SLIPPERY = 0.3
+#: acceleration with which a start is hardly noticed, m/s^2
+_BRISK = 2.0
 #: speed that any robot is expected to reach, m/s
 _USUAL = 0.3
 
@@ -146,6 +148,7 @@ def joint_list(robot: Body) -> str:
 def _drive(robot: Node, left: list[JointWheel], right: list[JointWheel]) -> DifferentialDrive:
     wheels = [*left, *right]
     separation = fmean(one.y for one in left) - fmean(one.y for one in right)
+    mass, centre = mass_and_centre(robot)
     # the names of files of older versions of Gazebo are exchanged
     is_lateral = all(abs(one.along) > _LATERAL for one in wheels)
     side = 1.0 if separation < 0.0 and is_lateral else -1.0
@@ -154,8 +157,8 @@ def _drive(robot: Node, left: list[JointWheel], right: list[JointWheel]) -> Diff
         (side,) * len(left) + (-side,) * len(right),
         tuple(-1.0 if is_lateral and one.along < 0.0 else 1.0 for one in wheels),
         tuple(one.radius for one in wheels),
-        2.0 * _lever(wheels, abs(separation) / 2.0, centre_of_mass(robot)),
-        (*_hindrances(wheels), *_brakes(robot, wheels)),
+        2.0 * _lever(wheels, abs(separation) / 2.0, centre),
+        (*_hindrances(wheels), *_slow_starts(wheels, mass), *_brakes(robot, wheels)),
     )
 
 
@@ -186,6 +189,17 @@ def _hindrances(wheels: Sequence[JointWheel]) -> Iterator[str]:
                 f"{motor.speed * one.radius:.2g} m/s"
             )
             break
+
+
+def _slow_starts(wheels: Sequence[JointWheel], mass: float) -> Iterator[str]:
+    """Whether the motors start the robot slowly, a text."""
+    forces = [one.dynamics.effort / one.radius for one in wheels if one.dynamics is not None and one.radius]
+    acceleration = sum(forces) / mass if mass and len(forces) == len(wheels) else math.inf
+    if acceleration < _BRISK:
+        yield (
+            f"its motors accelerate its {mass:.3g} kg by at most {acceleration:.2g} m/s^2, by the efforts in the file: "
+            f"after a start to {_USUAL:g} m/s it is {100.0 * _USUAL**2 / (2.0 * acceleration):.2g} cm behind"
+        )
 
 
 def _brakes(robot: Node, wheels: Sequence[JointWheel]) -> Iterator[str]:

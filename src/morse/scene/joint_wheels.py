@@ -153,15 +153,15 @@ def driven_wheels(wheels: Sequence[JointWheel]) -> tuple[list[JointWheel], list[
     return [one for one, y in sides if y > 0.0], [one for one, y in sides if y < 0.0]
 
 
-def centre_of_mass(robot: Node) -> float | None:
-    """The x coordinate of the centre of mass of the links of a robot, in its frame, m; None if none has a mass."""
+def mass_and_centre(robot: Node) -> tuple[float, float | None]:
+    """The mass of the links of a robot, kg, and the x coordinate of its centre in its frame, m, None without a mass."""
     base, total, moment = rigid_frame(robot), 0.0, 0.0
     for node in robot.walk():
         if node.inertial is not None:
             place, turn = _relative(node, base)
             x = float(place[0] + matmul(turn, np.array(node.inertial.centre))[0])
             total, moment = total + node.inertial.mass, moment + node.inertial.mass * x
-    return moment / total if total else None
+    return total, moment / total if total else None
 
 
 def dragging_links(robot: Node, driven: Sequence[JointWheel]) -> list[tuple[str, float]]:

@@ -208,3 +208,16 @@ def test_an_arm_that_reaches_the_ground_is_named(robot, caplog, reach, words) ->
         robot(BASE + ROUND + REAR + FRONT + arm)
     assert ("the link 'hand' reaches the ground" in caplog.text) == bool(words)
     assert words in caplog.text
+
+
+@pytest.mark.parametrize(("effort", "lag"), [(0.4, 5.1), (2.0, 0.0)])
+def test_motors_that_start_a_robot_slowly_are_named(robot, caplog, effort, lag) -> None:
+    """Two motors at wheels of 0.1 m, 9.1 kg: v^2 / 2 a = v^2 m r / 4 M."""
+    with caplog.at_level(logging.WARNING):
+        text = BASE + _pair(CYLINDER, _LYING, rest=f'<limit effort="{effort}" velocity="40"/>') + REAR
+        distance, _ = driven(robot(text))
+    if not lag:
+        assert "accelerate" not in caplog.text
+        return
+    assert f"0.88 m/s^2, by the efforts in the file: after a start to 0.3 m/s it is {lag} cm behind" in caplog.text
+    assert distance == pytest.approx(1.2 - lag / 100.0, abs=0.01)
