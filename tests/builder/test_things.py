@@ -1,8 +1,12 @@
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
+import trimesh
 
+import morse
+from morse import builder
 from morse.assets import AssetNotFoundError
 from morse.builder import (
     Camera,
@@ -23,6 +27,7 @@ from morse.builder import (
     Zone,
     workspace,
 )
+from morse.builder.script import ScriptError
 from morse.scene import NodeKind, PhysicsType
 
 np = pytest.importorskip("numpy")
@@ -183,3 +188,177 @@ def test_zones_follow_the_axes_of_the_world() -> None:
     for kind in (None, 3, ""):
         with pytest.raises((TypeError, ValueError), match="type"):
             Zone(kind)  # type: ignore[arg-type]
+
+
+# -- the physics of solids and robots, as scripts set it: the same methods for all -----------------
+
+SOLIDS = ("Cube", "Cylinder", "Cone", "Sphere", "IcoSphere", "Torus")
+
+
+def fall(kind: str, restitution: float | None = None, *, static: bool = False) -> tuple[float, list[float]]:
+    """The mass of a solid of 0.2 m that is released at 1 m, and its heights for three seconds."""
+
+    def scene() -> None:
+        thing = getattr(builder, kind)("thing")
+        thing.scale = (0.2, 0.2, 0.2)
+        thing.translate(0, 0, 1.0)
+        thing.static() if static else thing.set_rigid_body()
+        thing.set_mass(2.5)
+        thing.set_damping(0.0, 0.0)
+        if restitution is not None:
+            thing.set_restitution(restitution)
+        builder.Environment("empty", fastmode=True)
+
+    with morse.load(scene) as sim:
+        thing = sim.world.game_object("thing")
+        heights = []
+        for _ in range(180):
+            sim.step()
+            heights.append(thing.world_pose()[0][2])
+        return thing.mass, heights
+
+
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_every_solid_falls_and_lies(kind: str) -> None:
+    mass, heights = fall(kind)
+    assert mass == pytest.approx(2.5)
+    # the tube of the ring has a quarter of its radius
+    assert heights[-1] == pytest.approx(0.05 if kind == "Torus" else 0.2, abs=2e-3)
+    assert fall(kind, static=True)[1][-1] == 1.0
+
+
+@pytest.mark.parametrize("kind", SOLIDS)
+@pytest.mark.parametrize("ratio", [0.5, 0.9])
+def test_every_solid_bounces(kind: str, ratio: float) -> None:
+    _, heights = fall(kind, ratio)
+    rest = 0.05 if kind == "Torus" else 0.2
+    low = heights.index(min(heights[:40]))
+    drop = 1.0 - rest
+    # the second height is that of the drop times the square of the ratio
+    assert (max(heights[low : low + 60]) - rest) / drop == pytest.approx(ratio**2, abs=0.1)
+
+
+def test_a_solid_is_decoration_until_the_script_says_otherwise() -> None:
+    def scene() -> None:
+        builder.Cube("shelf").translate(0, 0, 3.0)
+        ball = builder.Sphere("ball")
+        ball.scale = (0.1, 0.1, 0.1)
+        ball.translate(0, 0, 5.0)
+        ball.set_rigid_body()
+        builder.Environment("empty", fastmode=True)
+
+    with morse.load(scene) as sim:
+        sim.step(180)
+        assert sim.world.game_object("ball").world_pose()[0][2] == pytest.approx(0.1, abs=2e-3)
+
+
+@pytest.mark.parametrize("make", ["Cube('thing')", "ATRV('thing')", "Robot(name='thing')"])
+@pytest.mark.parametrize("setting", ["mass=7", "friction=0.1", "restitution=0.8", "physics_type='STATIC'"])
+def test_settings_without_effect_are_refused(make: str, setting: str) -> None:
+    def scene() -> None:
+        eval(f"{make}.properties({setting})", vars(builder))
+        builder.Environment("empty")
+
+    name = setting.partition("=")[0]
+    with pytest.raises(Exception, match=rf"properties\({name}=...\) has no effect.*use set_"):
+        morse.load(scene)
+
+
+def test_a_robot_bounces() -> None:
+    def scene() -> None:
+        robot = builder.ATRV("robot")
+        robot.translate(z=1.0)
+        robot.set_restitution(0.8)
+        builder.Environment("empty", fastmode=True)
+
+    with morse.load(scene) as sim:
+        robot, heights = sim.world.game_object("robot"), []
+        for _ in range(90):
+            sim.step()
+            heights.append(robot.world_pose()[0][2])
+        low = heights.index(min(heights[:40]))
+        assert max(heights[low:]) > heights[low] + 0.4
+
+
+# -- scenes with too many triangles are refused before they fill the memory ------------------------
+
+HEAD = "from morse.builder import *\nfrom morse.builder.bpymorse import *\n"
+END = "env = Environment('empty')\n"
+BODY = "ball = Sphere('ball')\nbox = Cube('box')\n"
+
+
+def count(scene):
+    meshes = {id(n.mesh): n.mesh for root in scene.roots for n in root.walk() if n.mesh is not None}
+    return sum(len(mesh.triangles) for mesh in meshes.values())
+
+
+def test_the_message_names_the_largest_meshes_and_the_limit(load, monkeypatch):
+    whole = count(load(HEAD + BODY + END))
+    monkeypatch.setattr(workspace, "MOST_TRIANGLES", whole - 1)
+    with pytest.raises(ScriptError) as refusal:
+        load(HEAD + BODY + END)
+    report = refusal.value.report()
+    assert f"the scene has {whole:,} triangles, and the limit is {whole - 1:,}" in " ".join(report.split())
+    assert "'ball' (" in report
+    assert "Traceback" not in report
+    monkeypatch.setattr(workspace, "MOST_TRIANGLES", whole)
+    load(HEAD + BODY + END)
+
+
+def test_robots_of_one_model_share_its_triangles(load, monkeypatch):
+    one = count(load(HEAD + "robot = ATRV()\n" + END))
+    monkeypatch.setattr(workspace, "MOST_TRIANGLES", one)
+    load(HEAD + "robots = [ATRV(f'robot{n}') for n in range(5)]\n" + END)
+
+
+def test_deleted_objects_do_not_count(load, monkeypatch):
+    whole = count(load(HEAD + BODY + END))
+    monkeypatch.setattr(workspace, "MOST_TRIANGLES", whole)
+    text = HEAD + "gone = Sphere('gone')\nworkspace.current().delete(gone._bpy_object.node)\n" + BODY + END
+    load("from morse.builder import workspace\n" + text)
+
+
+# -- the physics of objects from model files, as scripts set it ------------------------------------
+
+SCENE = """
+from morse.builder import *
+shelf = PassiveObject({file!r})
+shelf.translate(3, 0, 2)
+shelf.static()
+crate = PassiveObject({file!r})
+crate.translate(0, 0, 2)
+crate.set_mass(7)
+crate.set_friction(0.3)
+crate.set_damping(0.0, 0.0)
+env = Environment('empty', fastmode=True)
+"""
+
+
+def test_a_script_sets_the_physics_of_an_object(tmp_path: Path) -> None:
+    trimesh.creation.box((0.4, 0.4, 0.4)).export(tmp_path / "box.glb")
+    (tmp_path / "scene.py").write_text(SCENE.format(file=str(tmp_path / "box.glb")))
+    with morse.load(tmp_path / "scene.py") as sim:
+        shelf, crate = (sim.world.game_object(name) for name in ("shelf", "crate"))
+        assert crate.mass == pytest.approx(7.0)
+        sim.step(30)
+        assert shelf.world_pose()[0][2] == 2.0
+        # 0.5 s of free fall without damping
+        assert crate.world_pose()[0][2] == pytest.approx(2.0 - 0.5 * 9.81 * 0.25, abs=0.03)
+        sim.step(60)
+        assert crate.world_pose()[0][2] == pytest.approx(0.2, abs=0.01)
+
+
+def test_shares_are_from_0_to_1(tmp_path: Path) -> None:
+    trimesh.creation.box((0.4, 0.4, 0.4)).export(tmp_path / "box.glb")
+    script = f"from morse.builder import *\nPassiveObject({str(tmp_path / 'box.glb')!r}).set_restitution(2)\n"
+    (tmp_path / "scene.py").write_text(script + "Environment('empty')\n")
+    with pytest.raises(Exception, match=r"set_restitution\(restitution\) takes a number from 0 to 1, got 2"):
+        morse.load(tmp_path / "scene.py")
+
+
+def test_properties_without_effect_are_refused(tmp_path: Path) -> None:
+    trimesh.creation.box((0.4, 0.4, 0.4)).export(tmp_path / "box.glb")
+    script = f"from morse.builder import *\nPassiveObject({str(tmp_path / 'box.glb')!r}).properties(mass=7)\n"
+    (tmp_path / "scene.py").write_text(script + "Environment('empty')\n")
+    with pytest.raises(Exception, match=r"properties\(mass=...\) has no effect.*use set_mass\(\)"):
+        morse.load(tmp_path / "scene.py")

@@ -3,6 +3,7 @@
 import pytest
 
 from morse.core import status
+from morse.core.clients.budgets import TimeShare
 from morse.core.clock import Clock
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.validation import Arguments
@@ -74,3 +75,71 @@ def test_statistics_have_the_fields_of_their_mode(clock):
     }
     fixed = Clock(60, TimeStrategies.FixedSimulationStep)
     assert set(TimeServices(fixed, print).statistics()) == {"mean_time", "variance_time", "diff_real_time"}
+
+
+# -- the share of the time that requests may take --------------------------------------------------
+
+PERIOD = 1 / 60
+
+
+class TimeShareClock:
+    """Wall-clock time that passes only when a test says so."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+    def advance(self, seconds: float) -> None:
+        self.now += seconds
+
+
+@pytest.fixture
+def time_share_clock(monkeypatch: pytest.MonkeyPatch) -> TimeShareClock:
+    made = TimeShareClock()
+    monkeypatch.setattr("morse.core.clients.budgets.perf_counter", made)
+    return made
+
+
+@pytest.mark.parametrize("cost", [0.001, 0.02, 0.3])
+def test_endless_requests_take_about_a_quarter_of_the_whole_time(time_share_clock: TimeShareClock, cost: float) -> None:
+    share, spent, begin = TimeShare(), 0.0, time_share_clock.now
+    while time_share_clock.now < begin + 10.0:
+        time_share_clock.advance(PERIOD)  # the other work of a tick
+        if not share.begin():
+            continue
+        while True:
+            time_share_clock.advance(cost)
+            assert share.spend() == pytest.approx(cost)
+            spent += cost
+            if share.is_used():
+                break
+    assert spent / (time_share_clock.now - begin) == pytest.approx(0.25, abs=0.06)
+
+
+def test_a_long_request_makes_the_next_ones_wait(time_share_clock: TimeShareClock) -> None:
+    share = TimeShare()
+    time_share_clock.advance(PERIOD)
+    assert share.begin()
+    time_share_clock.advance(0.1)
+    share.spend()
+    assert share.is_used()
+    assert share.is_owing
+    waited = 0
+    while not share.begin():
+        time_share_clock.advance(PERIOD)
+        waited += 1
+    assert waited * PERIOD == pytest.approx(0.3, abs=0.03)
+    assert not share.is_owing
+
+
+def test_short_requests_are_served_in_every_tick(time_share_clock: TimeShareClock) -> None:
+    """Also in ticks without a pause between them, as when a client steps the simulation."""
+    share = TimeShare()
+    for _ in range(100):
+        time_share_clock.advance(0.001)
+        assert share.begin()
+        time_share_clock.advance(0.0002)
+        share.spend()
+        assert not share.is_used()

@@ -1,13 +1,16 @@
 """The bits of a driven robot depend only on what it touches; last digits may depend on others in one case."""
 
+import math
 import random
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from worlds import box, node, rigid, robot, sphere, world
+from worlds import bits, box, ground, node, rigid, robot, sphere, world
 
+from morse.physics.gliding import passage, stances
 from tests.kit.effort import examples
 
 TICKS = 150
@@ -164,3 +167,168 @@ def test_a_shelf_that_is_moved_into_the_way_is_met():
         w.game_object("robot").drive((0.4, 0, 0), (0, 0, 0), ground=True)
         w.step()
     assert w.game_object("robot").worldPosition.x < w.game_object("shelf").worldPosition.x - 0.4
+
+
+# -- a world in which everything sleeps needs no engine steps, and is bit-identical to a world with steps
+
+ALL_ASLEEP_TICKS = 240
+
+
+def make():
+    body = robot(at=(3, 0, 0.25))
+    boxes = [rigid(name, box(0.3, 0.3, 0.3), at=(0, 0, z)) for name, z in (("Box", 0.15), ("Upper", 0.45))]
+    return world(ground(), node("Shelf", box(1, 1, 0.4), at=(-3, 0, 0.2)), *boxes, body, robots=[body])
+
+
+@pytest.fixture
+def steps(monkeypatch):
+    """The number of engine steps."""
+    count, step = [0], mujoco.mj_step
+
+    def counted(*arguments):
+        count[0] += 1
+        step(*arguments)
+
+    monkeypatch.setattr(mujoco, "mj_step", counted)
+    return count
+
+
+def asleep():
+    w = make()
+    for _ in range(ALL_ASLEEP_TICKS):
+        w.step()
+    assert w.data.nv_awake == 0
+    return w
+
+
+def test_no_step_is_needed(steps):
+    w = asleep()
+    steps[0] = 0
+    for _ in range(60):
+        w.step()
+    assert steps[0] == 0
+    assert w.data.time == pytest.approx((ALL_ASLEEP_TICKS + 60) / 60.0)
+
+
+@pytest.mark.parametrize("at", [0, 1, 7])
+def test_steps_would_change_nothing(at):
+    w, stepped, restored = asleep(), asleep(), make()
+    stepped._steps._all_sleep = lambda: False
+    for _ in range(at):
+        w.step()
+        stepped.step()
+    restored.set_state(w.get_state())
+    for _ in range(50):
+        for one in (w, stepped, restored):
+            one.step()
+        assert bits(w.get_state()) == bits(stepped.get_state()) == bits(restored.get_state())
+        assert sorted(map(str, w.contacts())) == sorted(map(str, stepped.contacts()))
+
+
+WAKING = {
+    "a push": lambda w: w.game_object("Upper").applyForce((200, 0, 0)),
+    "a velocity": lambda w: w.game_object("Upper").setLinearVelocity((0.5, 0, 0)),
+    "another place": lambda w: setattr(w.game_object("Upper"), "worldPosition", (0, 0, 2.0)),
+    "the lower one taken away": lambda w: setattr(w.game_object("Box"), "worldPosition", (1.5, 1.5, 0.15)),
+    "a robot that drives": lambda w: w.game_object("robot").drive((-1.0, 0, 0), (0, 0, 0), ground=True),
+}
+
+
+@pytest.mark.parametrize("deed", WAKING)
+def test_what_wakes_things_wakes_them(deed):
+    w = asleep()
+    for _ in range(20):
+        w.step()
+    slot = w.game_object("robot" if "drives" in deed else "Upper").slot
+    before, farthest = w.positions.array[slot].copy(), 0.0
+    for tick in range(40):
+        if tick == 0 or "drives" in deed:
+            WAKING[deed](w)
+        w.step()
+        farthest = max(farthest, abs(w.positions.array[slot] - before).max())
+    assert farthest > 0.01
+
+
+# -- robots that drift after a contact check with a large margin are bit-identical to robots checked in every tick
+
+ROBOTS = 3
+
+
+def crowded():
+    """Robots between walls, with a sleeping box."""
+    robots = [robot(f"robot{i}", at=(1.2 * i - 1.2, 0.3 * i, 0.25)) for i in range(ROBOTS)]
+    walls = [node(f"Wall{x}", box(0.2, 6, 1), at=(x, 0, 0.5)) for x in (-3.5, 3.5)]
+    return world(ground(), rigid("Box", box(0.3, 0.3, 0.3), at=(0.6, 1.8, 0.15)), *walls, *robots, robots=robots)
+
+
+@pytest.fixture
+def looks(monkeypatch):
+    """The number of contact checks of the engine."""
+    count, look = [0], mujoco.mj_collision
+
+    def counted(model, data):
+        count[0] += 1
+        look(model, data)
+
+    monkeypatch.setattr(mujoco, "mj_collision", counted)
+    return count
+
+
+def journey(seed, ticks=600):
+    """Poses (T, K, 3) of a world whose robots are driven randomly, slowly and suddenly fast."""
+    numbers, w, places = np.random.default_rng(seed), crowded(), []
+    for tick in range(ticks):
+        if tick % 15 == 0:
+            speeds = numbers.choice([0.02, 0.2, 2.0], size=ROBOTS, p=[0.5, 0.4, 0.1])
+            rates = numbers.uniform(-1.0, 1.0, size=ROBOTS)
+        for i, (v, rate) in enumerate(zip(speeds.tolist(), rates.tolist(), strict=True)):
+            w.game_object(f"robot{i}").drive((v, 0, 0), (0, 0, rate), ground=True)
+        w.step()
+        places.append(w.positions.array.copy())
+    return np.array(places)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_same_bits_as_with_a_look_in_every_tick(monkeypatch, looks, seed):
+    ahead = journey(seed)
+    assert looks[0] > 0
+    for module in (passage, stances):
+        monkeypatch.setattr(module, "FORESIGHT", 1)
+    assert np.array_equal(ahead, journey(seed))
+
+
+def test_a_robot_with_room_around_it_is_looked_at_in_one_of_eight_ticks(looks):
+    w = crowded()
+    for _ in range(120):
+        w.game_object("robot1").drive((0.0, 0, 0), (0, 0, 0.5), ground=True)
+        w.step()
+    looks[0] = 0
+    for _ in range(80):
+        w.game_object("robot1").drive((0.0, 0, 0), (0, 0, 0.5), ground=True)
+        w.step()
+    assert looks[0] <= 10
+
+
+@pytest.mark.parametrize("speed", [3.0, 8.0])
+def test_who_dashes_off_after_a_look_still_meets_the_wall(speed):
+    w = crowded()
+    for _ in range(90):
+        w.game_object("robot2").drive((0.02, 0, 0), (0, 0, 0), ground=True)
+        w.step()
+    for _ in range(120):
+        w.game_object("robot2").drive((speed, 0, 0), (0, 0, 0), ground=True)
+        w.step()
+    assert 2.9 < w.game_object("robot2").worldPosition.x < 3.5
+
+
+def test_what_comes_into_the_way_of_a_robot_is_met():
+    w = crowded()
+    for tick in range(240):
+        if tick == 120:
+            assert w.gliding.clear_until > w.gliding.tick
+            x, y, _ = w.game_object("robot1").worldPosition
+            w.game_object("Box").worldPosition = (x + 0.5, y, 0.15)
+        w.game_object("robot1").drive((0.3, 0, 0), (0, 0, 0), ground=True)
+        w.step()
+    (x, y, _), (bx, by, _) = w.game_object("robot1").worldPosition, w.game_object("Box").worldPosition
+    assert math.hypot(bx - x, by - y) > 0.35

@@ -1,13 +1,21 @@
 """The handle of an object: tree, poses, properties, holding, rays."""
 
 import math
+import sys
 from itertools import chain
+from pathlib import Path
+from typing import Any
 
 import pytest
 from worlds import box, ground, node, rigid, robot, run, sphere, world
 
+import morse
 from morse.core.mathutils import Euler, Quaternion, Vector
+from morse.mathutils import Matrix
+from morse.physics.poses.poses import relative_pose
+from morse.physics.studio import Studio, StudioMissingError
 from morse.scene import Node
+from morse.scene.frames import rigid_frame
 
 
 def robot_with_eyes(name="robot", **pose):
@@ -273,3 +281,159 @@ def test_a_static_object_without_a_shape_stays_where_it_was_moved():
     w.reset()
     w.set_state(moved)
     assert tuple(w.game_object("Sign").worldPosition) == (1, 2, 0.5)
+
+
+# -- parts that move within a body: their poses are computed when they are read, their shapes move at once
+
+
+def crane(name, y):
+    """A robot with a mast that carries a boom that carries a hook, which has a shape."""
+    body = robot(name, at=(0, y, 0.25))
+    mast = Node(f"{name}_mast", location=[0.1, 0, 0.25])
+    boom = Node(f"{name}_boom", location=[0.5, 0, 0.2])
+    hook = node(f"{name}_hook", box(0.1, 0.1, 0.1), at=(0.3, 0, 0))
+    body.attach(mast)
+    mast.attach(boom)
+    boom.attach(hook)
+    return body
+
+
+@pytest.fixture
+def cranes():
+    bodies = [crane("read", 0.0), crane("unread", 3.0)]
+    return world(*bodies, robots=bodies, gravity=0.0)
+
+
+def turn(world, name, angle):
+    c, s = math.cos(angle), math.sin(angle)
+    mast = world.game_object(f"{name}_mast")
+    mast.set_local_pose(mast.local_pose()[0], (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0))
+
+
+def test_reading_in_between_changes_nothing(cranes):
+    parts = ("mast", "boom", "hook")
+    for k in range(50):
+        for name in ("read", "unread"):
+            turn(cranes, name, 0.1 * k)
+        for part in parts:
+            cranes.game_object(f"read_{part}").world_pose()
+        cranes.step()
+    for part in parts:
+        read, unread = cranes.game_object(f"read_{part}"), cranes.game_object(f"unread_{part}")
+        assert read.offset == unread.offset
+        (x, y, z), turned = unread.world_pose()
+        assert (x, y - 3.0, z) == pytest.approx(tuple(read.world_pose()[0]), abs=1e-12)
+        assert turned == pytest.approx(read.world_pose()[1], abs=1e-12)
+
+
+def test_the_shape_of_an_outer_part_moves_although_nobody_reads_it(cranes):
+    turn(cranes, "unread", math.pi / 2)
+    cranes.step()
+    slot = cranes.slots[cranes.game_object("unread_hook").slot]
+    (geom,) = slot.geoms[cranes.game_object("unread_hook").node]
+    # mast at 0.1 m ahead, boom and hook 0.8 m to its left
+    assert cranes.data.geom_xpos[geom] == pytest.approx([0.1, 3.8, 0.7], abs=1e-6)
+    assert tuple(cranes.game_object("unread_hook").world_pose()[0]) == pytest.approx((0.1, 3.8, 0.7), abs=1e-6)
+
+
+def test_a_moved_part_moves_within_a_part_that_moves(cranes):
+    boom = cranes.game_object("unread_boom")
+    turn(cranes, "unread", math.pi / 2)
+    boom.set_local_pose((1.0, 0.0, 0.0), boom.local_pose()[1])
+    turn(cranes, "unread", math.pi)
+    assert tuple(boom.world_pose()[0]) == pytest.approx((-0.9, 3.0, 0.5), abs=1e-9)
+    cranes.reset()
+    assert tuple(boom.world_pose()[0]) == pytest.approx((0.6, 3.0, 0.7), abs=1e-9)
+
+
+# -- what is known of nodes is not computed again when another object comes or goes, and follows every change
+
+SCENE = """
+from morse.builder import *
+for number in range(6):
+    robot = ATRV(f"robot{number}")
+    robot.translate(3.0 * number, 5.0, 0.0)
+    robot.append(Pose("pose"))
+env = Environment("empty", fastmode=True)
+"""
+
+
+def known_frames_chain() -> tuple[Node, Node, Node]:
+    """A node, its parent, and the parent of the parent."""
+    top, middle, leaf = Node("top"), Node("middle"), Node("leaf")
+    top.attach(middle)
+    middle.attach(leaf)
+    leaf.location = [1.0, 0.0, 0.0]
+    return leaf, middle, top
+
+
+def test_a_frame_is_computed_once() -> None:
+    leaf, middle, _ = known_frames_chain()
+    first = rigid_frame(leaf)
+    assert rigid_frame(leaf) is first
+    assert relative_pose(leaf, rigid_frame(middle))[0] is relative_pose(leaf, rigid_frame(middle))[0]
+
+
+def test_a_frame_follows_the_node_and_all_nodes_above_it() -> None:
+    leaf, middle, top = known_frames_chain()
+    assert tuple(rigid_frame(leaf).position) == (1.0, 0.0, 0.0)
+    leaf.location[2] = 0.5  # in place
+    assert tuple(rigid_frame(leaf).position) == (1.0, 0.0, 0.5)
+    top.location = [0.0, 2.0, 0.0]
+    assert tuple(rigid_frame(leaf).position) == (1.0, 2.0, 0.5)
+    middle.scale = [3.0, 1.0, 1.0]
+    assert tuple(rigid_frame(leaf).position) == (3.0, 2.0, 0.5)
+    assert relative_pose(leaf, rigid_frame(top))[0] == pytest.approx([3.0, 0.0, 0.5])
+    middle.rotation_euler = [0.0, 0.0, 3.141592653589793]
+    assert tuple(rigid_frame(leaf).position) == pytest.approx((-3.0, 2.0, 0.5))
+    middle.parent_inverse = Matrix.Translation((0.0, 0.0, 7.0))
+    assert tuple(rigid_frame(leaf).position) == pytest.approx((-3.0, 2.0, 7.5))
+    leaf.detach()
+    assert tuple(rigid_frame(leaf).position) == (1.0, 0.0, 0.5)
+    assert relative_pose(leaf, rigid_frame(top))[0] == pytest.approx([1.0, -2.0, 0.5])
+
+
+def test_only_the_frames_of_what_comes_are_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "scene.py").write_text(SCENE, encoding="utf-8")
+    with morse.load(tmp_path / "scene.py") as simulation:
+        simulation.spawn("before", "FakeRobot", (20.0, 0.0, 0.0))
+        simulation.delete("before")
+        computed: list[Any] = []
+        from morse.scene import frames
+
+        compute = frames._frame_of
+        monkeypatch.setattr(frames, "_frame_of", lambda world: computed.append(world) or compute(world))
+        simulation.spawn("newcomer", "FakeRobot", (20.0, 0.0, 0.0))
+        came = sum(1 for _ in simulation.scene.find("newcomer").walk())
+        assert len(computed) == came
+        simulation.delete("newcomer")
+        assert len(computed) == came
+        simulation.step()
+        x, y, _ = simulation.world.game_object("robot3").worldPosition
+        assert (x, y) == pytest.approx((9.0, 5.0), abs=1e-3)
+
+
+def test_a_restart_reads_no_signature_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "scene.py").write_text(SCENE, encoding="utf-8")
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    with morse.load(tmp_path / "scene.py", sockets=True, interfaces=["socket"]) as simulation:
+        read: list[Any] = []
+        from morse.core.validation import arguments
+
+        signature = arguments.signature_of
+        monkeypatch.setattr(arguments, "signature_of", lambda method: read.append(method) or signature(method))
+        simulation.restart(seed=1)
+        assert read == []
+        assert (
+            "get_local_data"
+            in simulation.call("simulation", "details").result()["robots"][0]["components"]["robot0.pose"]["services"]
+        )
+
+
+# -- muJoCo's own viewer is an extra ---------------------------------------------------------------
+
+
+def test_without_the_extra_the_line_to_install_it_is_given(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco.studio", None)
+    with pytest.raises(StudioMissingError, match=r'pip install "mujoco-studio>=4.0,<4.1"'):
+        Studio(world(ground()), "127.0.0.1")

@@ -1,11 +1,22 @@
+import contextlib
 import json
+import logging
+import socket
+import threading
+import time
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scripted_simulation import ScriptedSimulation
 
+import pymorse
+import pymorse.poller
+from pymorse.errors import MorseServicePreempted
 from pymorse.names import normalize_name, series
+from pymorse.poller import Poller
 from pymorse.requests import format_request, parse_response
+from pymorse.stream import StreamB
 
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
@@ -71,3 +82,103 @@ def test_names_become_attributes(name: str, attribute: str) -> None:
 def test_robots_of_a_loop_come_in_a_list_in_their_order() -> None:
     names = ["m_002", "cat", "m", "m_001", "cat_2", "dog_001", "m_010"]
     assert series(names) == {"ms": ["m", "m_001", "m_002", "m_010"]}
+
+
+# -- a server that sends without end leaves time for the other connections of a client -------------
+
+MANY = 1 << 20
+
+
+def test_messages_that_take_long_are_read_in_small_chunks() -> None:
+    sizes: list[int] = []
+
+    class Slow(StreamB):
+        def received(self, data: bytes) -> None:
+            sizes.append(len(data))
+            time.sleep(0.01)
+
+    server, client = socket.socketpair()
+    with server:
+        server.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MANY)
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, MANY)
+        server.setblocking(False)
+        with contextlib.suppress(BlockingIOError):
+            sent = server.send(b"1\n" * MANY)
+        assert sent > 1 << 17
+        poller = Poller(until_empty=True)
+        stream = Slow(sock=client, poller=poller)
+        poller.start()
+        end = time.monotonic() + 60.0
+        while sum(sizes) < sent:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        stream.close()
+    # 131,072 messages at once kept the other sockets waiting for more than a second
+    assert max(sizes) <= 1 << 14
+
+
+# -- a client that is connected to a stream, where a server of services is expected ----------------
+
+
+def test_lines_that_are_no_answers_are_reported_once(
+    simulation: ScriptedSimulation, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.ERROR, "pymorse")
+    with pymorse.Morse("127.0.0.1", simulation.port) as simu:
+        for _ in range(20):
+            simulation.rpc.send(b'{"x": 1.0}\n')
+        # an answer that is sent after these lines
+        assert simu.rpc("simulation", "list_robots") == ["robot1"]
+    assert caplog.text.count("is not an answer") == 1
+
+
+# -- the exception of a service that was cancelled says so, whatever the simulation answered -------
+
+
+@pytest.mark.parametrize(("value", "text"), [(None, "cancelled, or interrupted"), ("too slow", "too slow")])
+def test_the_message(value: object, text: str) -> None:
+    assert text in str(MorseServicePreempted(value))
+
+
+# -- the thread that serves connections, and waiting threads that serve them in its place ----------
+
+
+@pytest.mark.parametrize("courtesy", [0.0, 1e-6, 1e-4])
+def test_a_guest_whom_the_system_lets_wait_is_served_all_the_same(
+    courtesy: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # with such a short grace period, it has expired when the thread checks for a waiting thread, as on a loaded machine
+    monkeypatch.setattr(pymorse.poller, "_COURTESY", courtesy)
+    poller = Poller()
+    poller.start()
+
+    def call_often() -> None:
+        for _ in range(3000):
+            poller.catch_up()
+
+    guest = threading.Thread(target=call_often, daemon=True)
+    guest.start()
+    guest.join(60.0)
+    assert not guest.is_alive()
+    poller.syncstop(5.0)
+    assert not poller.is_alive()
+
+
+class _Turn:
+    """A turn for which the thread has to wait until a guest has obeyed the command to stop."""
+
+    def __init__(self, poller: Poller) -> None:
+        self._poller = poller
+
+    def __enter__(self) -> None:
+        self._poller._stopping = True
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+def test_the_thread_ends_if_a_guest_was_told_to_stop() -> None:
+    poller = Poller()
+    poller._turn = _Turn(poller)  # type: ignore[assignment]
+    poller.start()
+    poller.join(60.0)
+    assert not poller.is_alive()

@@ -1,15 +1,19 @@
 """Positions and depths of objects in images: against formulas, and against rays."""
 
 import itertools
+import math
+import tracemalloc
 
 import numpy as np
 import pytest
-from studio import FAR, Studio, Tripod, ball, box, floor
+from studio import FAR, Studio, Tripod, ball, body, box, floor, triangles
 
 from morse.assets import solids
+from morse.kernel.drawing.arrays import CLOSED, MIXED
 from morse.kernel.rays import MESH, Fan, Poses, SolidArrays, TriangleMesh
-from morse.rendering import Lens
-from morse.scene import PhysicsType
+from morse.rendering import DistortedLens, Lens
+from morse.rendering.meshes import closed_parts, clusters_of
+from morse.scene import Material, PhysicsType
 from tests.kernel.twins.rays import ReferenceRays
 
 LENS = Lens(400, 300, 380.0, 350.0, 190.0, 160.0, 0.1, FAR)
@@ -149,3 +153,206 @@ def test_a_lens_sees_so_much(angle):
 
 def test_the_focal_length_is_that_of_a_sensor_32_mm_wide():
     assert Lens.of_focal_length(256, 128, 35.0).matrix == [[280.0, 0, 127.5], [0, 280.0, 63.5], [0, 0, 1]]
+
+
+# -- normals of surfaces, compared with the normals of a plane and of a sphere ---------------------
+
+EYE, TARGET = (-4.0, 1.0, 2.5), (0.0, 0.0, 0.4)
+PINHOLE = Lens.of_focal_length(120, 90, 32.0, 0.1, FAR)
+
+
+def normals_of(studio, tripod, lens=PINHOLE):
+    return studio.look(tripod, lens, color=False, normals=True)
+
+
+def test_normals_of_a_plane_point_up():
+    tripod = Tripod(EYE, TARGET)
+    picture = normals_of(Studio(floor(half=3.0)), tripod)
+    above = picture.ids >= 0
+    assert 0.3 < above.mean() < 0.9
+    np.testing.assert_allclose(picture.normals[above] @ tripod.axes.T, np.full((above.sum(), 3), (0, 0, 1)), atol=1e-6)
+    assert (picture.normals[~above] == 0).all()
+
+
+@pytest.mark.parametrize(
+    "lens",
+    [
+        PINHOLE,
+        DistortedLens(120, 90, 120.0, 120.0, 60, 45, 0.1, FAR, "plumb_bob", (-0.2, 0.05, 0.001, 0, 0)),
+        DistortedLens.of_fisheye_angle(120, 90, math.radians(190), (0.01, 0, 0, 0), 0.1, FAR),
+    ],
+    ids=["pinhole", "plumb_bob", "equidistant"],
+)
+def test_normals_of_a_sphere_are_radial(lens):
+    centre, tripod = np.array([0.0, 0.0, 0.4]), Tripod(EYE, TARGET)
+    studio = Studio(ball("Ball", centre, 1.5))
+    picture = normals_of(studio, tripod, lens)
+    found = picture.ids == studio.number(picture, "Ball")
+    assert found.sum() > 200
+    points = (lens.rays() * picture.depth[..., None])[found] @ tripod.axes.T + EYE
+    wanted = (points - centre) / np.linalg.norm(points - centre, axis=1)[:, None]
+    cosine = ((picture.normals[found] @ tripod.axes.T) * wanted).sum(axis=1)
+    # the facets of the sphere are up to 2 degrees wide; distorted images take the nearest pixel
+    assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean() < 2.5
+    np.testing.assert_allclose(np.linalg.norm(picture.normals[found], axis=1), 1.0, atol=1e-5)
+
+
+def test_both_sides_of_a_surface_face_the_camera():
+    sheet = triangles([(0, -1, -1), (0, 1, -1), (0, 1, 1), (0, -1, 1)], [(0, 1, 2), (0, 2, 3)])
+    for side in (-3.0, 3.0):
+        tripod = Tripod((side, 0.0, 0.0), (0, 0, 0))
+        picture = normals_of(Studio(body("Sheet", sheet)), tripod)
+        np.testing.assert_allclose(picture.normals[45, 60], (0, 0, -1), atol=1e-6)
+
+
+def test_stretched_and_mirrored_boxes_keep_their_normals():
+    tripod = Tripod((-4, 0, 0), (0, 0, 0))
+    picture = normals_of(Studio(box("Box", (0, 0, 0), (-0.3, 1.0, 2.0))), tripod)
+    np.testing.assert_allclose(picture.normals[45, 60], (0, 0, -1), atol=1e-6)
+
+
+def test_pictures_have_normals_only_on_request():
+    assert Studio(floor()).look(Tripod(EYE, TARGET), PINHOLE).normals is None
+
+
+# -- meshes that are processed in parts ------------------------------------------------------------
+
+SIDE = 100
+
+
+@pytest.fixture(scope="module")
+def hills():
+    """20,000 triangles, some of them without corners that exist."""
+    x, y = np.meshgrid(np.linspace(-1, 1, SIDE + 1), np.linspace(-1, 1, SIDE + 1))
+    points = np.column_stack([x.ravel(), y.ravel(), np.sin(5 * x * y).ravel()])
+    first = (np.arange(SIDE)[:, None] * (SIDE + 1) + np.arange(SIDE)).ravel()
+    faces = np.concatenate([first[:, None] + (0, 1, SIDE + 2), first[:, None] + (0, SIDE + 2, SIDE + 1)])
+    faces[[5, 700], 1] = -1, len(points)
+    uvs = np.random.default_rng(1).normal(size=(len(faces), 3, 2)).astype(np.float32)
+    return triangles(points, faces, uvs, index=np.arange(len(faces)) % 3)
+
+
+def peak(mesh, at_once):
+    """Bytes that are allocated at most while the mesh is processed."""
+    tracemalloc.start()
+    try:
+        clusters_of(mesh, 3, at_once)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_clusters_do_not_depend_on_the_size_of_the_parts(hills):
+    whole = clusters_of(hills, 3, 1 << 17)
+    assert len(whole.triangles) == 2 * SIDE * SIDE - 2
+    for at_once in (256, 1024, 4096):
+        for one, other in zip(whole, clusters_of(hills, 3, at_once), strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+def test_temporary_memory_is_bounded_by_the_size_of_the_parts(hills):
+    count = 2 * SIDE * SIDE
+    # results and order, twice while they are joined; a whole mesh takes several hundred bytes per triangle more
+    assert peak(hills, 1024) < 200 * count + 1024 * 1000
+    assert peak(hills, 1 << 17) > 400 * count
+
+
+# -- closed parts of meshes, whose back faces are left out -----------------------------------------
+
+POINTS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32)
+FACES = np.array(
+    [
+        (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+        (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+    ]
+)  # fmt: skip
+NO_SLOTS = np.zeros(len(FACES), int)
+
+
+def parts(points, faces, slots=None):
+    return closed_parts(points, faces, np.zeros(len(faces), int) if slots is None else slots)
+
+
+def test_a_cube():
+    found = parts(POINTS, FACES)
+    assert (found.part == 0).all()
+    np.testing.assert_allclose(found.spheres, [[0, 0, 0, np.sqrt(3)]])
+
+
+def test_corners_of_flat_faces_are_welded():
+    """Every triangle has its own vertices, as with normals of its own."""
+    found = parts(POINTS[FACES].reshape(-1, 3), np.arange(36).reshape(12, 3))
+    assert (found.part == 0).all()
+
+
+def test_a_ball_far_from_the_origin():
+    ball = solids.ico_sphere(3)
+    points = np.asarray(ball.vertices, np.float32).reshape(-1, 3) * np.float32(0.1) + np.float32(20)
+    assert (parts(points, np.asarray(ball.triangles).reshape(-1, 3)).part == 0).all()
+
+
+def dented():
+    points = np.concatenate([POINTS, [(0, 0, 0.5)]]).astype(np.float32)
+    roof = [(1, 5, 8), (5, 7, 8), (7, 3, 8), (3, 1, 8)]
+    return points, np.concatenate([FACES[:10], roof])
+
+
+@pytest.mark.parametrize(
+    ("points", "faces", "slots"),
+    [
+        (POINTS, FACES[1:], NO_SLOTS[1:]),
+        (POINTS, FACES[:, ::-1], NO_SLOTS),
+        (POINTS, np.concatenate([FACES[:1, ::-1], FACES[1:]]), NO_SLOTS),
+        (POINTS, np.concatenate([FACES, FACES[:1]]), np.zeros(13, int)),
+        (POINTS[:0], FACES[:0], NO_SLOTS[:0]),
+    ],
+    ids=["open", "inside out", "one face inside out", "a face twice", "nothing"],
+)
+def test_parts_that_are_not_closed(points, faces, slots):
+    found = parts(points, faces, slots)
+    assert (found.part == -1).all()
+    assert len(found.spheres) == 0
+
+
+def test_a_dented_cube():
+    points, faces = dented()
+    assert (parts(points, faces).kind == CLOSED).all()
+
+
+def test_a_cube_of_two_materials():
+    assert (parts(POINTS, FACES, np.arange(12) // 6).kind == MIXED).all()
+
+
+def test_parts_are_told_apart():
+    points, dent = dented()
+    both = np.concatenate([POINTS, points + np.float32(0.5), POINTS * 2 + np.float32(7)])
+    found = parts(both, np.concatenate([FACES, dent[1:] + 8, FACES + 8 + len(points)]))
+    assert found.part.tolist() == [0] * 12 + [-1] * 13 + [1] * 12
+    np.testing.assert_allclose(found.spheres, [[0, 0, 0, np.sqrt(3)], [7, 7, 7, 2 * np.sqrt(3)]], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("place", "seen"), [(0.0, 1.0), (0.85, 1.0), (5.0, 0.0)], ids=["in", "by the wall", "away"])
+def test_walls_are_visible_from_inside(place, seen):
+    """A camera in a closed room, at its wall, and one that looks away from it."""
+    studio = Studio(body("Room", triangles(POINTS, FACES)))
+    picture = studio.look(Tripod((place, 0, 0), (place + 1, 0, 0.1)), Lens.of_focal_length(40, 30, 32.0, 0.1, 50.0))
+    assert (picture.ids >= 0).mean() == seen
+    if seen:
+        # the wall is at 1 m, and the axis of the camera is inclined
+        assert picture.depth.max() < 1.2 * (1 - place)
+
+
+@pytest.mark.parametrize(("opacity", "seen"), [(1.0, 0.0), (0.5, 0.5)], ids=["opaque", "translucent"])
+def test_inner_walls_are_visible_through_a_translucent_wall(opacity, seen):
+    """The wall in front of the camera has a material of its own, and half of its pixels let the camera see inside."""
+    # the triangles of the face at X = -1
+    front = np.isin(np.arange(12), (0, 1)).astype(np.int32)
+    node = body("Box", triangles(POINTS, FACES, index=front))
+    node.materials = [
+        Material("Sides", double_sided=True),
+        Material("Front", color=(1, 1, 1, opacity), double_sided=True),
+    ]
+    picture = Studio(node).look(Tripod((-5, 0, 0), (0, 0, 0)), Lens.of_focal_length(40, 40, 64.0, 0.1, 50.0))
+    assert (picture.ids >= 0).mean() > 0.2
+    # the wall at X = 1 is at a distance of 6 m
+    assert (picture.depth[15:25, 15:25] > 5).mean() == seen

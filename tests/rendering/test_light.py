@@ -6,10 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image as Picture
-from studio import Studio, Tripod, body, box, floor, lamp, triangles
+from studio import FAR, Studio, Tripod, body, box, floor, lamp, triangles
 
+import morse
+import morse.rendering.lights as shadows
+from morse.builder import Cube, Environment, FakeRobot, PassiveObject
 from morse.rendering import Lens
-from morse.scene import Image, Material, Mist
+from morse.scene import Image, Light, Material, Mist, PhysicsType
+from morse.scene.extent import water_level
 
 LENS = Lens.of_focal_length(200, 200, 32.0, 0.1, 50)
 ABOVE = Tripod((0, 0, 8), (0, 0, 0), up=(0, 1, 0))
@@ -201,3 +205,163 @@ def test_the_sky_and_glowing_surfaces_have_their_own_colours_in_the_look_of_1_4(
     made = Studio(floor(material=glowing), lamp("SUN", (0, 0, 1)), horizon_color=(0.1, 0.1, 0.1))
     made.scene.settings.physics_of_1_4 = True
     assert made.look(ABOVE, LENS).rgb[100, 100].tolist() == [124, 0, 0]  # sRGB of 0.2
+
+
+# -- shadows of a spot lamp, at the positions that follow from the geometry ------------------------
+
+TRIPOD, SPOT_SHADOWS_LENS = Tripod((-7.0, 0.5, 5.0), (0.0, 0.0, 0.0)), Lens.of_focal_length(320, 240, 40.0, 0.1, FAR)
+HEIGHT, PLATE, HALF = 4.0, 2.0, 0.4
+
+
+def spot(position=(0.0, 0.0, HEIGHT), towards=(0.0, 0.0, 1.0), **more):
+    node = lamp("SPOT", towards, 3.0, position)
+    node.light = replace(node.light or Light(), distance=5.0, spot_size=1.2, **more)
+    return node
+
+
+def spot_shadows_plate(position=(0.0, 0.0, PLATE)):
+    return box("Plate", position, (HALF, HALF, 0.02))
+
+
+def dark(*nodes, **more):
+    """The points of the floor (N, 3), and whether each is darker than with a lamp that casts no shadow."""
+    pictures = [
+        Studio(floor(), *nodes, spot(**more, casts_shadow=casts)).look(TRIPOD, SPOT_SHADOWS_LENS)
+        for casts in (True, False)
+    ]
+    shown = (pictures[0].ids == 0) & (pictures[0].ids == pictures[1].ids)
+    assert pictures[0].nodes[0].name == "Floor"
+    points = (SPOT_SHADOWS_LENS.rays() * pictures[0].depth[..., None])[shown] @ TRIPOD.axes.T + TRIPOD.position
+    light = [picture.rgb[shown].sum(axis=1).astype(int) for picture in pictures]
+    assert (light[0] <= light[1]).all()
+    return points, light[0] < light[1] - 6
+
+
+def test_the_edges_of_a_shadow_are_on_the_lines_through_the_edges_of_a_plate():
+    points, shaded = dark(spot_shadows_plate())
+    # the upper side of the plate decides: similar triangles from the lamp to the floor
+    edge = HALF * HEIGHT / (HEIGHT - PLATE - 0.02)
+    away = np.abs(points[:, :2]).max(axis=1)
+    assert shaded[away < edge - 0.05].all()
+    assert not shaded[away > edge + 0.05].any()
+    assert shaded.sum() > 300
+
+
+def test_a_shadow_follows_the_lamp():
+    lean = np.array([0.5, -0.5, HEIGHT])
+    points, shaded = dark(spot_shadows_plate(), position=tuple(lean), towards=tuple(lean))
+    # the centre of the plate is projected from the lamp to the floor
+    centre = lean + (np.array([0, 0, PLATE]) - lean) * HEIGHT / (HEIGHT - PLATE)
+    middle = (points[shaded].min(axis=0) + points[shaded].max(axis=0)) / 2
+    np.testing.assert_allclose(middle[:2], centre[:2], atol=0.06)
+
+
+def test_surfaces_do_not_shadow_themselves():
+    _, shaded = dark(position=(2.0, 1.0, HEIGHT), towards=(0.4, 0.2, 1.0))
+    assert not shaded.any()
+
+
+def test_a_shadow_moves_with_what_casts_it():
+    studio = Studio(floor(), spot_shadows_plate(), spot())
+    before = studio.look(TRIPOD, SPOT_SHADOWS_LENS).rgb
+    assert (studio.look(TRIPOD, SPOT_SHADOWS_LENS).rgb == before).all()
+    studio.world.object_of(studio.scene.roots[1]).visible = False
+    after = studio.look(TRIPOD, SPOT_SHADOWS_LENS)
+    bare = Studio(floor(), spot()).look(TRIPOD, SPOT_SHADOWS_LENS)
+    np.testing.assert_array_equal(after.rgb, bare.rgb)
+    assert (after.rgb != before).any()
+
+
+@pytest.mark.parametrize("angle", [2.2, 3.1])
+def test_wide_spots_cast_no_shadow(angle):
+    nodes = [spot(casts_shadow=casts) for casts in (True, False)]
+    for node in nodes:
+        node.light = replace(node.light, spot_size=angle)
+    one, other = (Studio(floor(), spot_shadows_plate(), node).look(TRIPOD, SPOT_SHADOWS_LENS).rgb for node in nodes)
+    np.testing.assert_array_equal(one, other)
+
+
+# -- large scenes have two shadow maps; objects in the middle of the finer one are left out of the other
+
+TWO_SHADOW_MAPS_LENS = Lens.of_focal_length(64, 48, 20.0, 0.1, 300)
+#: in the finer map, at its border, and outside
+PLACES = [(0.0, 0.0), (9.0, 0.0), (11.5, 0.0), (14.0, 0.0), (40.0, 0.0)]
+
+
+def world():
+    return Studio(floor(half=120.0), box("Box", (0, 0, 1), (0.5, 0.5, 0.5), kind=PhysicsType.RIGID_BODY))
+
+
+def look_at(studio, x, y):
+    crate = studio.world.game_object("Box")
+    crate.set_pose((x, y, 1.0), crate.world_pose()[1])
+    return studio.look(Tripod((x - 4, y - 4, 5), (x, y, 0)), TWO_SHADOW_MAPS_LENS).rgb
+
+
+def test_shadows_follow_an_object_from_one_map_to_the_other_and_back():
+    moved = world()
+    for x, y in PLACES[::2] + PLACES[:1]:
+        np.testing.assert_array_equal(look_at(moved, x, y), look_at(world(), x, y))
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_what_is_left_out_is_not_seen(monkeypatch, place):
+    with_less = look_at(world(), *place)
+    covered = []
+
+    def nothing(self, ratio):
+        covered.append(covers(self, ratio))
+        return np.zeros_like(covered[0])
+
+    covers = shadows.ShadowMap.covers
+    monkeypatch.setattr(shadows.ShadowMap, "covers", nothing)
+    np.testing.assert_array_equal(with_less, look_at(world(), *place))
+    # two maps are in use, and objects far from the border of the finer one are left out
+    assert covered
+    assert covered[0].all() == (place in PLACES[:2])
+
+
+# -- cameras under water see the colour of water, darker with the depth, and nothing far away ------
+
+LOOK = {"rotation": (1.5708, 0.0, 0.0), "focal_length": 24.0}
+
+
+def sea() -> None:
+    """Boxes 3 m and 60 m from the origin, 4 m under water."""
+    for y in (3.0, 60.0):
+        box = PassiveObject("props/crates", object_name="small_crate")
+        box.translate(0.0, y, -4.0)
+        box.static()
+    FakeRobot()
+    Environment("water-1/deep_water")
+
+
+def test_the_colour_of_water_hides_what_is_far() -> None:
+    with morse.load(sea) as simulation:
+        assert water_level(simulation.scene) == pytest.approx(0.0)
+
+        def image(depth: float, y: float = 0.0) -> np.ndarray:
+            pixels: np.ndarray = simulation.picture(96, 64, location=(0.0, y, -depth), **LOOK)
+            return pixels.astype(int)
+
+        near, deep = image(4.0)[30:34], image(12.0)[30:34]
+        edges = near[:, :4].mean(axis=(0, 1)), deep[:, :4].mean(axis=(0, 1))
+        for red, green, blue in edges:
+            assert red < green < blue
+        assert edges[1].sum() < 0.8 * edges[0].sum()  # 8 m deeper
+        assert np.abs(near[:, 46:50].mean(axis=(0, 1)) - edges[0]).max() > 15  # the crate at 3 m
+        far = image(4.0, 10.0)[30:34]  # the other one is 50 m away
+        assert np.abs(far[:, 46:50].mean(axis=(0, 1)) - far[:, :4].mean(axis=(0, 1))).max() <= 2
+
+
+def test_above_the_surface_nothing_changes() -> None:
+    def ground() -> None:
+        Cube().name = "Waterfall"  # neither flat nor wide
+        FakeRobot()
+        Environment("empty")
+
+    with morse.load(ground) as simulation:
+        assert water_level(simulation.scene) is None
+    with morse.load(sea) as simulation:
+        above = simulation.picture(96, 64, location=(0.0, 0.0, 1.0), **LOOK)[:20].astype(int)
+        assert above.mean() > 100  # a day

@@ -2,8 +2,11 @@
 
 import math
 
+import numpy as np
 import pytest
+from messages import published
 
+import morse
 from morse.core.kinds import bind
 from morse.wire.encoding import to_json
 
@@ -247,3 +250,234 @@ def test_a_steady_arm_feels_the_centripetal_acceleration_alone(simulate, tmp_pat
         assert data["angular_velocity"] == pytest.approx([0.0, 0.0, 3.0], abs=1e-3)
     for force in forces:
         assert force == pytest.approx([-(3.0**2) * 0.8, 0.0, G], abs=1e-3)
+
+
+# -- a robot that is placed elsewhere has not moved there: sensors of motion measure what happens afterwards
+
+PERIOD = 1.0 / 60.0
+
+
+def moved(mode):
+    def scene():
+        from morse.builder import ATRV, IMU, Accelerometer, Environment, MotionVW, Odometry, Velocity
+
+        robot = ATRV("robot")
+        robot.append(MotionVW("motion"))
+        for part in (Accelerometer("accelerometer"), IMU("imu"), Velocity("velocity")):
+            part.properties(ComputationMode=mode)
+            robot.append(part)
+        robot.append(Odometry("odometry"))
+        for level in ("raw", "differential"):
+            odometry = Odometry(level)
+            odometry.level(level)
+            robot.append(odometry)
+        Environment("empty")
+
+    return scene
+
+
+@pytest.mark.parametrize("mode", ["Velocity", "Position"])
+@pytest.mark.parametrize("is_read", [False, True])
+@pytest.mark.parametrize("ticks", [0, 1, 30])
+def test_no_sensor_takes_a_placement_for_a_motion(mode, is_read, ticks):
+    with morse.load(moved(mode)) as sim:
+        robot = sim.robot
+        robot.motion.publish({"v": 1.0, "w": 0.0})
+        sim.step(ticks)
+        if is_read:
+            assert robot.odometry.data["x"] == pytest.approx(ticks * PERIOD, abs=1e-3)
+        sim.place("robot", [5.0, -5.0, 1.0])
+        sim.measure()
+        if is_read:
+            data = robot.odometry.data
+            assert [data[name] for name in ("x", "y", "yaw")] == pytest.approx([5.0, -5.0, 1.0], abs=1e-6)
+            for name in ("vx", "vy", "vz", "wx", "wy", "wz"):
+                assert data[name] == pytest.approx(0.0, abs=1e-6)
+            for sensor, fields in {
+                "accelerometer": ("distance", "velocity", "acceleration", "angular_acceleration"),
+                "imu": ("angular_velocity",),
+                "velocity": ("linear_velocity", "angular_velocity"),
+                "raw": ("dS",),
+                "differential": ("dx", "dy", "dyaw"),
+            }.items():
+                for field in fields:
+                    value = np.asarray(robot.parts[sensor].data[field])
+                    assert value == pytest.approx(np.zeros(value.shape), abs=1e-6), (sensor, field)
+            assert np.linalg.norm(robot.imu.data["linear_acceleration"]) == pytest.approx(9.81, abs=0.01)
+        sim.step(2)
+        data = robot.odometry.data
+        assert [data["vx"], data["vy"], data["wz"]] == pytest.approx([1.0, 0.0, 0.0], abs=0.01)
+        assert robot.raw.data["dS"] == pytest.approx(PERIOD, rel=0.02)
+        assert robot.accelerometer.data["distance"] == pytest.approx(PERIOD, rel=0.02)
+        assert robot.velocity.data["linear_velocity"] == pytest.approx([1.0, 0.0, 0.0], abs=0.02)
+
+
+# -- iMUs with the errors of their data sheets -----------------------------------------------------
+
+SCRIPT = """
+robot = FakeRobot()
+imu = {kind}()
+{setting}
+robot.append(imu)
+env = Environment("empty", fastmode=True)
+"""
+
+
+def at_rest(simulate, kind="IMU", setting="", seconds=20.0, seed=None):
+    simulation = simulate(SCRIPT.format(kind=kind, setting=setting), seed=seed, sockets=False)
+    messages = published(simulation.context.component("robot.imu"))
+    simulation.sleep(seconds)
+    fields = ("angular_velocity", "linear_acceleration")
+    return simulation, [np.array([message[field] for message in messages]) for field in fields]
+
+
+@pytest.mark.parametrize(
+    # data sheets: deg/s/√Hz, and µg/√Hz along X, Y and Z
+    ("kind", "degrees", "micro_g"),
+    [("ADIS16448", 0.0135, (230.0,) * 3), ("BMI088", 0.014, (160.0, 160.0, 190.0)), ("VN100", 0.0035, (140.0,) * 3)],
+)
+def test_real_devices(simulate, kind, degrees, micro_g):
+    simulation, (gyro, force) = at_rest(simulate, kind, seconds=40.0)
+    # white noise of a given density, sixty times per second; biases hardly change within seconds
+    turning, pushing = (np.diff(values, axis=0).std(axis=0) / math.sqrt(120) for values in (gyro, force))
+    assert turning == pytest.approx([math.radians(degrees)] * 3, rel=0.06)
+    assert pushing == pytest.approx(np.array(micro_g) * 9.80665e-6, rel=0.06)
+    assert force.mean(axis=0) == pytest.approx([0.0, 0.0, 9.81], abs=0.03)
+    message = bind(simulation.context.component("robot.imu"))[0].gather()
+    white = np.diag(message.linear_acceleration_covariance)
+    assert white[2] / white[0] == pytest.approx((micro_g[2] / micro_g[0]) ** 2, rel=0.1)
+
+
+def test_an_ideal_one(simulate):
+    simulation, (gyro, force) = at_rest(simulate, seconds=0.5)
+    assert not gyro.any()
+    assert force == pytest.approx(np.tile([0.0, 0.0, 9.81], (len(force), 1)))
+    assert bind(simulation.context.component("robot.imu"))[0].gather().angular_velocity_covariance is None
+
+
+def test_the_same_seed_gives_the_same_errors(simulate):
+    runs = [at_rest(simulate, "BMI088", seconds=0.5, seed=seed)[1][0] for seed in (1, 1, 2)]
+    assert np.array_equal(runs[0], runs[1])
+    assert not np.array_equal(runs[0], runs[2])
+
+
+def test_the_message_says_how_large_they_are(simulate):
+    setting = "imu.properties(GyroNoiseDensity=1e-3, AccelNoiseDensity=2e-3)"
+    message = bind(at_rest(simulate, setting=setting, seconds=0.1)[0].context.component("robot.imu"))[0].gather()
+    assert message.angular_velocity_covariance == pytest.approx(np.eye(3) * 60e-6)
+    assert message.linear_acceleration_covariance == pytest.approx(np.eye(3) * 240e-6)
+
+
+def test_errors_go_on_from_a_saved_state(simulate):
+    simulation, _ = at_rest(simulate, "ADIS16448", seconds=0.5)
+    state = simulation.save()
+    simulation.sleep(0.2)
+    first = list(simulation.context.component("robot.imu").local_data["angular_velocity"])
+    simulation.restore(state)
+    simulation.sleep(0.2)
+    assert simulation.context.component("robot.imu").local_data["angular_velocity"] == first
+
+
+def test_another_noise_while_it_runs(simulate):
+    simulation, _ = at_rest(simulate, seconds=0.1)
+    simulation.context.component("robot.imu").set_property("GyroNoiseDensity", 0.1)
+    simulation.sleep(0.1)
+    assert any(simulation.context.component("robot.imu").local_data["angular_velocity"])
+
+
+@pytest.mark.parametrize("setting", ["GyroNoiseDensity=-1.0", "AccelBiasInstability='low'", "BiasCorrelationTime=0.0"])
+def test_what_is_no_noise(simulate, setting):
+    with pytest.raises(Exception, match=f"'{setting.split('=')[0]}' of IMU is"):
+        at_rest(simulate, setting=f"imu.properties({setting})")
+
+
+# -- angles of wheels against the distance that they roll ------------------------------------------
+
+WHEEL_ENCODERS_SCRIPT = """
+robot = {robot}()
+motion = MotionVWDiff()
+robot.append(motion)
+encoders = WheelEncoders()
+{setting}
+robot.append(encoders)
+pose = Pose()
+robot.append(pose)
+env = Environment("empty", fastmode=True)
+"""
+RADIUS, TRACK = 0.0977, 0.342
+
+
+def driven(simulate, v, w, setting="", robot="Pioneer3DX"):
+    simulation = simulate(WHEEL_ENCODERS_SCRIPT.format(robot=robot, setting=setting), sockets=False)
+    simulation.sleep(0.5)
+    start = list(simulation.context.component("robot.encoders").local_data["position"])
+    simulation.context.component("robot.motion").local_data.update(v=v, w=w)
+    simulation.sleep(2.0)
+    return simulation, start
+
+
+def test_wheels_that_roll_ahead(simulate):
+    simulation, start = driven(simulate, 0.5, 0.0)
+    data, way = (
+        simulation.context.component("robot.encoders").local_data,
+        simulation.context.component("robot.pose").local_data["x"],
+    )
+    assert way == pytest.approx(1.0, abs=0.1)
+    assert len(data["wheels"]) == 2
+    for before, after in zip(start, data["position"], strict=True):
+        assert (after - before) * RADIUS == pytest.approx(way, rel=0.02)
+    assert data["velocity"] == pytest.approx([0.5 / RADIUS] * 2, rel=0.05)
+
+
+def test_wheels_that_turn_a_robot(simulate):
+    simulation, _ = driven(simulate, 0.0, 0.5)
+    encoders = simulation.context.component("robot.encoders")
+    speeds = dict(zip(encoders.local_data["wheels"], encoders.local_data["velocity"], strict=True))
+    (left,) = (speed for name, speed in speeds.items() if "left" in name.lower() or name.upper().endswith("L"))
+    (right,) = (speed for name, speed in speeds.items() if "right" in name.lower() or name.upper().endswith("R"))
+    assert left < 0.0 < right
+    assert right == pytest.approx(-left, rel=0.05)
+
+
+def test_whole_steps(simulate):
+    setting = "encoders.properties(StepsPerTurn=16)"
+    simulation, _ = driven(simulate, 0.5, 0.0, setting)
+    exact, _ = driven(simulate, 0.5, 0.0, "encoders.properties(StepsPerTurn=0)")
+    data, angles = (
+        simulation.context.component("robot.encoders").local_data,
+        exact.context.component("robot.encoders").local_data["position"],
+    )
+    step = math.tau / 16
+    for ticks, position, angle in zip(data["ticks"], data["position"], angles, strict=True):
+        assert position == pytest.approx(ticks * step)
+        assert 0.0 <= angle - position < step
+
+
+def test_as_a_message_kind(simulate):
+    simulation, _ = driven(simulate, 0.5, 0.0)
+    message = bind(simulation.context.component("robot.encoders"))[0].gather()
+    assert message.kind.name == "joints"
+    assert list(message.names) == simulation.context.component("robot.encoders").local_data["wheels"]
+    assert message.velocity == pytest.approx([0.5 / RADIUS] * 2, rel=0.05)
+
+
+def test_four_wheels(simulate):
+    simulation, _ = driven(simulate, 0.5, 0.0, robot="SegwayRMP400")
+    assert len(simulation.context.component("robot.encoders").local_data["position"]) == 4
+
+
+def test_a_robot_without_wheels(simulate):
+    with pytest.raises(Exception, match="has no driven wheels: append wheel encoders to a robot whose wheels turn"):
+        simulate(
+            WHEEL_ENCODERS_SCRIPT.format(robot="ATRV", setting="").replace("MotionVWDiff", "MotionVW"), sockets=False
+        )
+
+
+def test_they_go_on_from_a_saved_state_wheel_encoders(simulate):
+    simulation, _ = driven(simulate, 0.5, 0.2)
+    state = simulation.save()
+    simulation.sleep(0.2)
+    first = simulation.context.component("robot.encoders").local_data["ticks"][:]
+    simulation.restore(state)
+    simulation.sleep(0.2)
+    assert simulation.context.component("robot.encoders").local_data["ticks"] == first

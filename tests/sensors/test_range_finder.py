@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from morse.core.exceptions import MorseRPCTypeError
 from morse.core.kinds import bind
+from morse.core.validation import Arguments
 from morse.sensors.range_finder import cone_of_rays
 
 SCRIPT = """
@@ -106,3 +108,124 @@ def test_every_direction_of_a_cone_is_near_a_ray(angle, resolution, share, turne
     nearest = max(sum(a * b for a, b in zip(ray, there, strict=True)) for ray in rays)
     # half the diagonal of a square whose sides are the resolution
     assert math.degrees(math.acos(min(1.0, nearest))) <= resolution * math.sqrt(0.5) + 1e-3
+
+
+# -- the radar altimeter: heights above the surface below ------------------------------------------
+
+RADAR_ALTIMETER_SCRIPT = """
+table = Cube("Table")
+table.scale = (1, 1, 0.5)
+table.location = (3, 0, 0.5)
+table._bpy_object.game.physics_type = "STATIC"
+floor = Cube("Floor")
+floor.scale = (9, 9, 0.5)
+floor.location = (0, 0, -0.5)
+floor._bpy_object.game.physics_type = "STATIC"
+robot = FakeRobot()
+robot.translate({x}, 0, {z})
+robot.rotate(0.4, 1.0, 0.2)
+radar = RadarAltimeter()
+{setting}
+robot.append(radar)
+env = Environment("empty", fastmode=True)
+"""
+
+
+def height(simulate, x=0.0, z=5.0, setting=""):
+    simulation = simulate(RADAR_ALTIMETER_SCRIPT.format(x=x, z=z, setting=setting), sockets=False)
+    simulation.sleep(0.1)
+    return simulation.context.component("robot.radar").local_data["z"]
+
+
+def test_height_above_floor_and_furniture_in_any_attitude(simulate):
+    assert height(simulate, z=5.0) == pytest.approx(5.0, abs=1e-6)
+    assert height(simulate, x=3.0, z=5.0) == pytest.approx(4.0, abs=1e-6)
+
+
+def test_infinite_when_there_is_nothing_within_reach(simulate):
+    assert height(simulate, z=31.0) == math.inf
+    assert height(simulate, z=29.0) == pytest.approx(29.0, abs=1e-6)
+    assert height(simulate, z=31.0, setting="radar.properties(MaxRange=50.0)") == pytest.approx(31.0, abs=1e-6)
+    assert height(simulate, x=40.0) == math.inf
+
+
+def test_a_reach_changed_while_it_runs(simulate):
+    simulation = simulate(RADAR_ALTIMETER_SCRIPT.format(x=0, z=5.0, setting=""), sockets=False)
+    simulation.context.component("robot.radar").set_property("MaxRange", 4.0)
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.radar").local_data["z"] == math.inf
+
+
+@pytest.mark.parametrize("reach", [0.0, -1.0])
+def test_a_reach_of_nothing_is_refused(simulate, reach):
+    with pytest.raises(Exception, match=r"'MaxRange' of RadarAltimeter is .*, expected a number from 0\.001 m upward"):
+        height(simulate, setting=f"radar.properties(MaxRange={reach})")
+
+
+# -- the proximity sensor --------------------------------------------------------------------------
+
+PROXIMITY_SCRIPT = """
+lamp = Cube("Lamp")
+lamp.location = (3, 4, 0)
+lamp.properties(Shining=True)
+for i, x in enumerate((0, 10, 29, 31)):
+    robot = FakeRobot(f"r{i}")
+    robot.translate(x, 0, 1)
+    if i == 0:
+        near = Proximity("near")
+        near.translate(0, 0, 5)
+        robot.append(near)
+env = Environment("empty", fastmode=True)
+"""
+
+
+@pytest.fixture
+def near(simulate):
+    simulation = simulate(PROXIMITY_SCRIPT, sockets=False)
+
+    def measured():
+        simulation.sleep(0.2)
+        return simulation.context.component("r0.near")
+
+    return measured
+
+
+def test_robots_within_30_metres_of_the_own_robot(near):
+    data = near().local_data
+    assert data["near_objects"] == pytest.approx({"r1": 10.0, "r2": 29.0})
+    assert data["near_robots"] == data["near_objects"]
+
+
+def test_reach_and_tag_may_be_changed(near):
+    sensor = near()
+    sensor.set_range(100)
+    assert set(near().local_data["near_objects"]) == {"r1", "r2", "r3"}
+    sensor.set_tracked_tag("Shining")
+    assert near().local_data["near_objects"] == pytest.approx({"Lamp": math.hypot(3, 4, 1)})
+    sensor.set_range(5.0)
+    assert near().local_data["near_objects"] == {}
+
+
+@pytest.mark.parametrize("bad", [-1.0, math.nan, "far", None, True])
+def test_a_reach_that_is_none_is_refused(near, bad):
+    sensor = near()
+    with pytest.raises(MorseRPCTypeError, match=r"'range' is a number from 0 to .* m"):
+        Arguments(sensor.set_range, "set_range").check([bad])
+    assert set(near().local_data["near_objects"]) == {"r1", "r2"}
+
+
+@pytest.mark.parametrize("bad", [None, 5])
+def test_a_tag_that_is_none_is_refused(near, bad):
+    with pytest.raises(MorseRPCTypeError, match="set_tracked_tag: 'tag' is a string"):
+        Arguments(near().set_tracked_tag, "set_tracked_tag").check([bad])
+    with pytest.raises(MorseRPCTypeError, match="set_tracked_tag: 'tag' is the name of a property"):
+        near().set_tracked_tag("")
+
+
+def test_twelve_measurements_a_second(simulate):
+    simulation = simulate(PROXIMITY_SCRIPT, sockets=False)
+    times = set()
+    for _ in range(60):
+        simulation.step()
+        times.add(simulation.context.component("r0.near").local_data["timestamp"])
+    assert len(times - {0.0}) == 12

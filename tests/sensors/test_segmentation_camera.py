@@ -1,11 +1,20 @@
 """The object in each pixel, and bounding boxes of objects."""
 
 import base64
+import io
 import json
 import math
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from PIL import Image
+
+from morse.core.requests import prepare
+from morse.rendering import renderer
+from morse.viewer.feeds.sensors import PicturesFeed
+from morse.viewer.hub import Wishes
 
 WORLD = """
 robot = FakeRobot("robot")
@@ -151,3 +160,100 @@ def test_the_message_holds_pixels_labels_and_boxes(look):
     assert {row["name"] for row in message["labels"]} >= {"THING", "Blue", "robot"}
     (thing,) = [row for row in message["objects"] if row["name"] == "THING"]
     assert thing["box"] == seen(eye)["THING"]["box"]
+
+
+# -- the image of a semantic camera, which only the live view shows --------------------------------
+
+SCRIPT = """
+robot = FakeRobot("robot"); robot.translate(z=10)
+eye = SemanticCamera("eye"); eye.properties(cam_width=64, cam_height=64, cam_focal=16); robot.append(eye)
+ball = Sphere("Ball"); ball.location = (4, 1, 10); ball.scale = (0.5, 0.5, 0.5)
+ball.set_color(0.9, 0.0, 0.0); ball.properties(Object=True, Label="the ball")
+env = Environment("empty")
+"""
+
+
+def test_a_page_gets_a_picture_with_the_visible_objects(simulate: Any) -> None:
+    simulation = simulate(SCRIPT, sockets=False)
+    server = SimpleNamespace(wishes=Wishes(images=frozenset({"robot.eye"})), sent=[])
+    server.send = server.sent.append
+    feed = PicturesFeed(simulation.context, cast("Any", server))
+    feed.update()
+    simulation.sleep(0.2)
+    feed.update()
+    (sent,) = server.sent
+    assert sent.meaning == "color"
+    (ball,) = sent.sightings
+    assert ball.name == "the ball"
+    # 90 degrees of view: 32 px for a slope of 1; the ball is at a slope of 1/4 to the left, 1/8 wide on each side
+    x0, y0, x1, y1 = ball.box
+    assert abs((x0 + x1) / 2 - (32 - 8)) <= 1
+    assert abs((y0 + y1) / 2 - 32) <= 1
+    assert abs((x1 - x0) - 8) <= 2
+    red, green, _ = np.asarray(Image.open(io.BytesIO(sent.payload)))[32, 24]
+    assert red > 2 * green
+    # nobody looks any more: no colours are rendered
+    server.wishes = Wishes()
+    feed.update()
+    simulation.sleep(0.2)
+    assert not simulation.context.component("robot.eye").request.color
+
+
+def test_the_first_image_has_been_prepared(simulate: Any, monkeypatch: Any) -> None:
+    simulation = simulate(SCRIPT, sockets=False)
+    prepare(simulation.context.components.values())
+
+    def read_again(*_: object) -> None:
+        raise AssertionError("the world is read in a tick")
+
+    monkeypatch.setattr(renderer, "Stage", read_again)
+    simulation.sleep(0.2)
+    names = [seen["name"] for seen in simulation.context.component("robot.eye").local_data["visible_objects"]]
+    assert names == ["the ball"]
+
+
+# -- objects that one ray finds, as the semantic camera of MORSE 1.4 does --------------------------
+
+SEMANTIC_RAY_SCRIPT = """
+def solid(name, location, half, **tags):
+    cube = Cube(name); cube.scale = half; cube.location = location
+    cube._bpy_object.game.physics_type = "STATIC"
+    cube.properties(**tags)
+robot = FakeRobot("robot"); robot.translate(z=10)
+ray = {{"visibility": "ray"}}
+for name, more in (("ray", ray), ("pixels", {{}}), ("all", {{"noocclusion": True, **ray}})):
+    eye = SemanticCamera(name); eye.properties(cam_width=64, cam_height=64, cam_focal=16, **more); robot.append(eye)
+    {each}
+# its origin is behind a post, which hides a tenth of it
+solid("Wide", (6, 0, 10), (0.2, 2, 1), Object=True)
+solid("Post", (3, 0, 10), (0.1, 0.1, 3))
+solid("Near", (2, 1, 10), (0.2, 0.2, 0.2), Object=True)
+# its upper end alone is in the field of view, whose half is 45 degrees
+solid("Low", (4, -2, 5), (0.2, 0.2, 1.5), Object=True)
+solid("Outside", (4, 9, 10), (0.2, 0.2, 0.2), Object=True)
+soft = Cube("Soft"); soft.scale = (0.2, 0.2, 0.2); soft.location = (3, 2, 10); soft.properties(Object=True)
+env = Environment("empty")
+"""
+
+
+@pytest.fixture
+def names(simulate):
+    def make(each=""):
+        simulation = simulate(SEMANTIC_RAY_SCRIPT.format(each=each), sockets=False)
+        simulation.sleep(0.2)
+        found = {
+            eye: simulation.context.component(f"robot.{eye}").local_data["visible_objects"]
+            for eye in ("ray", "pixels", "all")
+        }
+        return {eye: {seen["name"] for seen in things} for eye, things in found.items()}
+
+    return make
+
+
+@pytest.mark.parametrize("each", ["", "eye.delay(0.05)"])
+def test_a_ray_decides_what_pixels_decide_otherwise(names, each):
+    seen = names(each)
+    assert seen["pixels"] == {"Wide", "Near", "Low", "Soft"}
+    # the ray to the origin of the wide object hits the post; nothing stops it at an object without collision
+    assert seen["ray"] == {"Near", "Low"}
+    assert seen["all"] == {"Wide", "Near", "Low", "Soft"}

@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 import morse
+from morse.rendering import photograph
 
 SMALL = {"cam_width": 24, "cam_height": 16}
 
@@ -66,3 +67,35 @@ def test_a_camera_without_an_image_says_when_there_is_one():
 def test_other_components_are_shown_as_text(sim):
     assert sim.robot.pose._repr_png_() is None
     assert sim.robot._repr_png_() is None
+
+
+# -- pictures of the world that follow each other --------------------------------------------------
+
+
+def pictures_scene():
+    from morse.builder import ATRV, Cube, Environment
+
+    ATRV("robot")
+    crate = Cube("Crate")
+    crate.location = (2.0, 0.0, 0.5)
+    crate._bpy_object.game.physics_type = "RIGID_BODY"
+    Environment("empty")
+
+
+def test_a_later_picture_is_as_the_first_of_its_world():
+    with morse.load(pictures_scene) as sim:
+        changes = [
+            lambda: sim.step(10),
+            lambda: sim.place("Crate", [1.0, 1.0, 0.7]),
+            lambda: sim.rpc("simulation", "set_object_visibility", "Crate", False, False),
+            lambda: sim.spawn("more", "props/crates", (3.0, 1.0, 0.5)),
+            sim.restart,
+        ]
+        before = sim.picture(96, 60)
+        for change in changes:
+            change()
+            picture = sim.picture(96, 60)
+            assert (picture == photograph(sim.world, 96, 60)).all()
+        assert (sim.picture(50, 40, location=[1.0, 0.0, 9.0], rotation=[0.0, 0.0, 0.0]).shape) == (40, 50, 3)
+        sim.place("Crate", [0.0, 2.0, 0.0])
+        assert (sim.picture(96, 60) != before).any()

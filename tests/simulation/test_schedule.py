@@ -1,12 +1,15 @@
 """Rates of components."""
 
 import itertools
+import math
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import morse
+from morse.builder import ATRV, Environment, MotionVW
 from morse.simulation.ticks.schedule import Schedule
 
 
@@ -75,3 +78,57 @@ def test_what_is_due_does_not_depend_on_what_was_asked_before(rates, tick):
     for before in range(0, tick, 7):
         asked.due(before)
     assert asked.due(tick) == Schedule(components, 60, phase_of).due(tick)
+
+
+# -- commands of the process to actuators whose speeds last ----------------------------------------
+
+
+def scene() -> None:
+    for number in range(5):
+        robot = ATRV(f"r{number}")
+        robot.translate(y=3.0 * number)
+        robot.append(MotionVW("motion"))
+    Environment("empty", fastmode=True)
+
+
+def test_a_command_arrives_after_the_rows_were_formed_again() -> None:
+    with morse.load(scene) as simulation:
+        robots = [getattr(simulation, f"r{number}") for number in range(5)]
+        for robot in robots:  # the first command of each forms the rows again
+            robot.motion.publish({"v": 1.0})
+            simulation.step(2)
+        for number, robot in enumerate(robots):
+            robot.motion.publish({"v": 2.0 + number})
+        simulation.step(2)
+        assert [robot.motion.data["v"] for robot in robots] == [2.0, 3.0, 4.0, 5.0, 6.0]
+
+
+# -- robots with wheels do not disturb each other by wrong commands --------------------------------
+
+COUNT = 4
+
+
+def wrong_wheel_commands_scene():
+    from morse.builder import Environment, MotionVWDiff, Pioneer3DX, Pose, SegwayRMP400
+
+    for number in range(COUNT):
+        robot = Pioneer3DX(f"r{number}") if number % 2 else SegwayRMP400(f"r{number}")
+        robot.translate(3.0 * number, 0.0, 0.2)
+        robot.append(MotionVWDiff("motion"))
+        robot.append(Pose("pose"))
+    Environment("empty", fastmode=True)
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, "fast", None])
+def test_one_wrong_command_stops_nobody_else(wrong):
+    with morse.load(wrong_wheel_commands_scene) as simulation:
+        components = simulation.context.components
+        for number in range(COUNT):
+            components[f"r{number}.motion"].local_data["v"] = 0.5
+        simulation.step(10)
+        before = [components[f"r{number}.pose"].local_data["x"] for number in range(COUNT)]
+        components["r2.motion"].local_data["v"] = wrong
+        # with wheels at full speed, robot 2 meets robot 3 after 0.9 s
+        simulation.step(40)
+        for number in (0, 1, 3):
+            assert components[f"r{number}.pose"].local_data["x"] - before[number] == pytest.approx(0.33, abs=0.1)

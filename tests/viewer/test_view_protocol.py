@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from morse.mathutils import Vector
 from morse.viewer import page_messages as pm
 from morse.viewer import view_messages as vm
+from morse.viewer.live_view import title_of
 from morse.viewer.protocol import (
     NotUnderstood,
     decode_page_message,
@@ -131,3 +132,21 @@ def test_typescript_of_optional_and_nested_types() -> None:
     assert "  components: ComponentDescription[];" in text
     assert "  payload: ArrayBuffer;" in text
     assert "  count?: number;" in text  # a page may omit fields with a default
+
+
+# -- the title of a page is the name of the project ------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("script", "environment", "title"),
+    [
+        ("/home/me/ranger_sim/default.py", "sandbox", "ranger_sim"),
+        ("/data/examples/laser/scene.py", "indoors-1/boxes", "laser"),
+        ("/home/me/ranger_sim/race.py", "sandbox", "race"),
+        ("race.py", "sandbox", "race"),
+        ("", "sandbox", "sandbox"),
+        ("", "", "MORSE"),
+    ],
+)
+def test_titles(script: str, environment: str, title: str) -> None:
+    assert title_of(script, environment) == title

@@ -1,16 +1,23 @@
 """Messages of every kind, decoded by rosbags: fields, units, frames and conventions of the definitions and the REPs."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
+from desk import Desk
 
 from morse.core.kinds import KINDS
 from morse.core.kinds.kind import Message
+from morse.helpers.geodesy import LocalPlane
+from morse.helpers.transformation import Transformation3d
+from morse.mathutils.rotations import rotation_from_quaternion
+from morse.mathutils.rotations import turn as rotated
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.kinds import Ros2Topics
 from morse.rosmsgs.table import Outlet
+from morse.sensors.magnetometer import DEFAULT_YEAR, MagneticField
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
@@ -205,3 +212,220 @@ def test_images_of_others_are_checked() -> None:
     for wrong in ({"step": 5}, {"height": 2}, {"encoding": "yuv"}, {"width": 2**31}, {"height": 0}):
         with pytest.raises(ValueError, match=r"bytes for|encoding"):
             heard("image", {**image, "data": data, **wrong}, pixels=None)
+
+
+# -- once around the compass: all that says where north is agrees, in every message, with the default settings
+
+PLACE = {"longitude": 7.6, "latitude": 46.9, "altitude": 540.0}
+PARTS = """
+motion = MotionVW('motion'); robot.append(motion)
+plain = GPS('plain'); robot.append(plain)
+gps = GPS('gps'); gps.level('extended'); robot.append(gps)
+compass = Magnetometer('compass'); compass.rotate(z={turned}); robot.append(compass)
+imu = IMU('imu'); imu.rotate(z={turned}); robot.append(imu)
+attitude = Attitude('attitude'); attitude.properties(UseAngleAgainstNorth=True); robot.append(attitude)
+"""
+
+
+def _apart(one: float, other: float) -> float:
+    return abs(math.remainder(one - other, math.tau))
+
+
+@pytest.mark.parametrize(("world", "turned"), [(0.0, 0.0), (0.7, 0.0), (-2.0, 1.1)])
+def test_once_around_the_compass(start: Callable[..., Any], world: float, turned: float) -> None:
+    given = ", ".join(f"{name}={value}" for name, value in PLACE.items())
+    scene = f"env.properties({given}, angle_against_north={world})"
+    simulation, desk = start(PARTS.format(turned=turned), scene)
+    plane = LocalPlane(*PLACE.values(), world)
+    north, east, _ = MagneticField(LocalPlane(*PLACE.values()), DEFAULT_YEAR, None).north_east_down((0.0, 0.0, 0.0))
+    declination = math.atan2(east, north)
+    simulation.robot.motion.publish({"v": 2.0, "w": 1.0})
+    seen = []
+    for _ in range(16):
+        simulation.step(24)
+        _, ahead = simulation.world.objects_by_name["robot"].world_pose()
+        x, y, _ = plane.enu_of((ahead[0], ahead[3], 0.0))
+        heading = math.atan2(x, y)  # clockwise from north
+        seen.append(math.degrees(heading) % 360.0)
+        for topic in ("compass", "imu/mag"):
+            field = desk.last(f"/robot/{topic}").magnetic_field
+            magnetic = math.atan2(field.y, field.x)  # of a level sensor, X forward and Y left
+            assert _apart(magnetic + turned + declination, heading) < 2e-3
+            assert math.hypot(field.x, field.y) == pytest.approx(math.hypot(north, east) * 1e-9, rel=1e-3)
+            assert field.z < 0.0  # down, on the northern half
+        velocity = desk.last("/robot/gps/vel").twist.linear
+        assert _apart(math.atan2(velocity.x, velocity.y), heading) < 0.03  # the mean of a tick of the circle
+        assert _apart(math.radians(simulation.robot.gps.data["heading"]), heading) < 0.03
+        turn = desk.last("/robot/attitude").orientation
+        yaw = 2.0 * math.atan2(turn.z, turn.w)  # counter-clockwise from east
+        assert _apart(math.pi / 2.0 - yaw, heading) < 1e-3
+        one, other = desk.last("/robot/plain/fix"), desk.last("/robot/gps")
+        assert (one.latitude, one.longitude) == pytest.approx((other.latitude, other.longitude), abs=1e-9)
+        assert one.altitude == pytest.approx(other.altitude, abs=1e-6)
+    assert max(seen) - min(seen) > 330.0
+
+
+def test_coordinates_of_modifiers_are_no_position_on_the_earth(start: Callable[..., Any]) -> None:
+    simulation, desk = start(
+        "gps = GPS('gps'); gps.alter('ECEF'); robot.append(gps)", "env.properties(longitude=1, latitude=2, altitude=3)"
+    )
+    simulation.step(2)
+    assert "/robot/gps" in desk.publishers
+    assert "/robot/gps/fix" not in desk.publishers
+
+
+# -- covariances are those of the errors that a scene declares: compared with the errors of many sensors
+
+Start = Callable[..., tuple[Any, Desk]]
+
+MANY = 80
+PATHS = """
+motion = MotionVW(); robot.append(motion)
+for number in range({many} + 1):
+    sensor = Odometry(f"path{{number}}"); sensor.translate(0.3, 0.2, 0.0); sensor.rotate(0.0, 0.0, 0.7)
+    options = dict(factor_sigma=0.2, gyro_drift_sigma=0.02) if number else {{}}
+    sensor.alter("OdometryNoise", factor=1.0, **options)
+    sensor.add_stream("ros2", tf=False)
+    robot.append(sensor)
+"""
+
+
+def matrix(numbers: Any) -> Any:
+    """(6, 6): row-major, the order of geometry_msgs/PoseWithCovariance."""
+    return np.reshape(numbers, (6, 6))
+
+
+def plane(pose: Any) -> Any:
+    q = pose.orientation
+    return np.array([pose.position.x, pose.position.y, 2.0 * math.atan2(q.z, q.w)])
+
+
+def test_the_errors_of_many_odometries_are_as_large_as_each_says(start: Start) -> None:
+    sim, desk = start(PATHS.format(many=MANY), connected="motion.add_stream('ros2')", seed=3)
+    types = desk.store.types
+    vector = types["geometry_msgs/msg/Vector3"]
+    desk.send("/robot/cmd_vel", linear=vector(1.0, 0.0, 0.0), angular=vector(0.0, 0.0, 0.4))
+    sim.step(150)
+    ideal, *others = [desk.last(f"/robot/path{number}") for number in range(MANY + 1)]
+    errors = np.array([plane(other.pose.pose) - plane(ideal.pose.pose) for other in others])
+    declared = [matrix(other.pose.covariance)[np.ix_((0, 1, 5), (0, 1, 5))] for other in others]
+    distances = [error @ np.linalg.solve(spread, error) for error, spread in zip(errors, declared, strict=True)]
+    # the mean of chi-squared numbers of three degrees of freedom
+    assert np.mean(distances) == pytest.approx(3.0, abs=4.0 * math.sqrt(6.0 / MANY))
+    np.testing.assert_allclose(matrix(others[0].pose.covariance)[5, 5], 150 * 0.02**2, rtol=0.02)
+    assert not matrix(ideal.pose.covariance).any(), "unknown"
+    twist = matrix(others[0].twist.covariance)
+    assert twist[5, 5] == pytest.approx((0.02 * 60.0) ** 2)
+    rates = [other.twist.twist.angular.z for other in others]
+    assert np.std(rates) == pytest.approx(0.02 * 60.0, rel=0.3)
+    speeds = np.array([[o.twist.twist.linear.x, o.twist.twist.linear.y] for o in others])
+    spread = np.mean([matrix(other.twist.covariance)[:2, :2] for other in others], axis=0)
+    np.testing.assert_allclose(np.cov(speeds.T), spread, atol=0.4 * spread.max())
+
+
+def test_white_noise_is_that_of_the_robot_wherever_the_sensor_is(start: Start) -> None:
+    sim, desk = start(
+        "path = Odometry('path'); path.translate(2.0, 0.0, 0.0); path.rotate(0.0, 0.0, math.pi / 2)\n"
+        "path.noise(gaussian=0.1, field='x'); path.noise(gaussian=0.01, field='yaw')\n"
+        "path.noise(gaussian=0.3, field='wz'); robot.append(path)"
+    )
+    sim.step(2)
+    message = desk.last("/robot/path")
+    pose, twist = matrix(message.pose.covariance), matrix(message.twist.covariance)
+    # X of the sensor is Y of the robot, and an arm of 2 m makes 2 cm of an angle of 0.01
+    assert pose[1, 1] == pytest.approx(0.1**2 + (2.0 * 0.01) ** 2, rel=0.05)
+    assert pose[0, 0] == pytest.approx(0.0, abs=1e-5)
+    assert pose[5, 5] == pytest.approx(0.01**2)
+    assert pose[1, 5] == pytest.approx(-2.0 * 0.01**2, rel=0.05)
+    assert twist[5, 5] == pytest.approx(0.3**2)
+    assert twist[1, 1] == pytest.approx((2.0 * 0.3) ** 2)
+
+
+def test_a_bias_that_walks_becomes_less_certain(start: Start) -> None:
+    sim, desk = start("pose = Pose('pose'); pose.noise(bias_walk=0.2, field='x'); robot.append(pose)")
+    variances = []
+    for _ in range(2):
+        sim.step(60)
+        variances.append(matrix(desk.last("/robot/pose").pose.covariance)[0, 0])
+    assert np.diff(variances) == pytest.approx(0.2**2, rel=0.05), "in each second"
+    assert variances[0] == pytest.approx(0.2**2, rel=0.05)
+
+
+def test_steps_and_axes(start: Start) -> None:
+    sim, desk = start(
+        "pose = Pose('pose'); pose.noise(quantization=0.3, field='y'); robot.append(pose)\n"
+        "imu = IMU('imu'); imu.alter('IMUNoise', gyro_std={'x': 0.1, 'z': 0.3}, accel_std=0.2); robot.append(imu)\n"
+        "device = IMU('device'); device.properties(GyroNoiseDensity=1e-3, GyroBiasInstability=0.02)\n"
+        "robot.append(device)\n"
+        "turn = Gyroscope('turn'); turn.alter('Noise', rot_std=0.05); robot.append(turn)\n"
+        "far = RadarAltimeter('far'); far.noise(gaussian=0.05); robot.append(far)"
+    )
+    sim.step(2)
+    assert matrix(desk.last("/robot/pose").pose.covariance)[1, 1] == pytest.approx(0.3**2 / 12.0), "uniform"
+    imu = desk.last("/robot/imu/data")
+    assert np.reshape(imu.angular_velocity_covariance, (3, 3)) == pytest.approx(np.diag([0.01, 0.0, 0.09]))
+    assert np.reshape(imu.linear_acceleration_covariance, (3, 3)) == pytest.approx(np.eye(3) * 0.04)
+    assert imu.orientation_covariance[0] == -1.0
+    # the bias is a Gauss-Markov process, whose Allan deviation has a maximum of 0.6175 standard deviations
+    device = desk.last("/robot/device/data")
+    assert device.angular_velocity_covariance[0] == pytest.approx(60e-6 + (0.02 / 0.6175) ** 2)
+    turn = desk.last("/robot/turn")
+    assert np.reshape(turn.orientation_covariance, (3, 3)) == pytest.approx(np.eye(3) * 0.05**2)
+    assert turn.linear_acceleration_covariance[0] == -1.0
+    assert desk.last("/robot/far").variance == pytest.approx(0.05**2)
+
+
+# -- frames of messages in the axes of the earth are in the tree of frames -------------------------
+
+#: the X axis of the world points north
+NORTH = "env.properties(longitude=1.4, latitude=43.6, altitude=100.0, angle_against_north=1.5707963267948966)"
+
+
+def test_velocities_of_gps_are_in_a_frame_of_the_tree(start: Callable[..., Any]) -> None:
+    simulation, desk = start('gps = GPS("gps"); gps.level("raw"); robot.append(gps)', NORTH)
+    simulation.step(2)
+    frame = desk.last("/robot/gps/vel").header.frame_id
+    found = {t.child_frame_id: t for t in desk.last("/tf_static").transforms}
+    assert found[frame].header.frame_id == "map"
+    turn = found[frame].transform.rotation
+    # east is the -Y axis of a world whose X axis points north
+    east = (1.0 - 2.0 * turn.z**2, 2.0 * turn.w * turn.z)
+    assert east == pytest.approx((0.0, -1.0), abs=1e-12)
+    assert math.hypot(turn.x, turn.y) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("given", [NORTH, "env.properties(longitude=-70.0, latitude=-33.0, altitude=500.0)"])
+def test_the_earth_is_the_parent_of_the_map(start: Callable[..., Any], given: str) -> None:
+    # by REP 105; the pose in earth-centred coordinates is that of the tree
+    simulation, desk = start('spot = Pose("spot"); spot.alter("ECEF"); robot.append(spot)', given)
+    simulation.step(2)
+    measured = desk.last("/robot/spot")
+    assert measured.header.frame_id == "earth"
+    (found,) = [t for t in desk.last("/tf_static").transforms if t.child_frame_id == "map"]
+    assert found.header.frame_id == "earth"
+    place, turn = found.transform.translation, found.transform.rotation
+    pose = Transformation3d()
+    pose.set_pose((place.x, place.y, place.z), rotation_from_quaternion(turn.w, turn.x, turn.y, turn.z))
+    world = simulation.world.objects_by_name["robot.spot"].world_pose()[0]
+    there, axes = pose.get_pose()
+    expected = [one + moved for one, moved in zip(there, rotated(axes, world), strict=True)]
+    position = measured.pose.position
+    assert [position.x, position.y, position.z] == pytest.approx(expected, abs=1e-6)
+    assert math.hypot(*there) == pytest.approx(6.37e6, rel=0.01)
+
+
+def test_the_grid_is_below_the_map(start: Callable[..., Any]) -> None:
+    simulation, desk = start(
+        'spot = Pose("spot"); spot.alter("UTM"); robot.append(spot)',
+        'env.properties(UTMXOffset=377000.0, UTMYOffset="4827000.5", UTMZOffset=100.0)',
+    )
+    simulation.step(2)
+    measured = desk.last("/robot/spot")
+    assert measured.header.frame_id == "utm"
+    (found,) = [t for t in desk.last("/tf_static").transforms if t.child_frame_id == "utm"]
+    assert found.header.frame_id == "map"
+    origin, place = found.transform.translation, measured.pose.position
+    world = simulation.world.objects_by_name["robot.spot"].world_pose()[0]
+    seen = [place.x + origin.x, place.y + origin.y, place.z + origin.z]
+    assert seen == pytest.approx(list(world), abs=1e-6)
+    assert origin.y == -4827000.5

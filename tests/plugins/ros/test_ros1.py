@@ -13,6 +13,7 @@ from master import environment, master, need_ros, run, simulation
 
 import morse
 from morse.core.exceptions import MorseError
+from tests.kit.programs import free_port
 
 HERE = Path(__file__).parent
 SCENE = """
@@ -160,3 +161,25 @@ def test_where_rospy_is_missing_the_error_says_what_to_install(tmp_path: Path, m
     scene.write_text(SCENE)
     with pytest.raises(MorseError, match="sudo apt install python3-rospy"):
         morse.load(scene, sockets=True)
+
+
+# -- a master that is started again knows the topics of a running simulation -----------------------
+
+
+def test_a_new_master_knows_the_topics() -> None:
+    need_ros()
+    port = free_port()
+    with master(port) as uri:
+        peer = subprocess.Popen(
+            [sys.executable, str(Path(__file__).with_name("node_peer.py"))],
+            env=environment(uri), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert peer.stdout is not None
+        assert peer.stdout.readline() == "ready\n"
+    with peer, master(port):
+        try:
+            out, log = peer.communicate("go\n", timeout=100.0)
+        finally:
+            peer.kill()
+    assert out == "True True\n", log
+    assert "was started again" in log
