@@ -34,7 +34,7 @@ WITHIN = {
     ("core/rows/rows.py", "default_action"), ("core/rows/rows.py", "remember"),
     ("core/rows/rows.py", "observe"), ("core/sensor.py", "observe"), ("simulation/ticks/ticking.py", "observe"),
     # passed to `Guard.each`
-    ("core/observer.py", "before_tick"), ("core/observer.py", "after_tick"), ("core/sensor.py", "action"),
+    ("core/guard.py", "before_tick"), ("core/guard.py", "after_tick"), ("core/sensor.py", "action"),
     # listens at a port
     ("core/clients/network.py", "serve"),
 }  # fmt: skip

@@ -23,7 +23,7 @@ from morse.middleware.socket.turns import Turns
 from morse.wire import lines
 from morse.wire import server as servers
 from morse.wire.encoding import from_json, to_json
-from morse.wire.inbox import Inbox
+from morse.wire.lines import Inbox
 from morse.wire.server import Budget, limits_of
 from tests.kit.waiting import wait_until
 

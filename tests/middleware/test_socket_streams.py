@@ -20,7 +20,7 @@ from morse.core.validation import OptionError
 from morse.middleware.socket import stream_client
 from morse.scene import StreamDeclaration
 from morse.wire import server as line_server
-from morse.wire.inbox import Inbox
+from morse.wire.lines import Inbox
 from morse.wire.listener import listen, port_of
 from tests.kit.effort import examples
 from tests.kit.waiting import wait_until

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW
-from morse.simulation.ticks.schedule import Schedule
+from morse.simulation.ticks.ticking import Schedule
 
 
 def phase_of(component):

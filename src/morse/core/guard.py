@@ -50,6 +50,16 @@ _MOST = 1000
 _MOST_LINES, _LONGEST_CAUSE = 50, 200
 
 
+def before_tick(observer: Observer) -> None:
+    """Notify an observer; for `Guard.each`."""
+    observer.before_tick()
+
+
+def after_tick(observer: Observer) -> None:
+    """Notify an observer; for `Guard.each`."""
+    observer.after_tick()
+
+
 class Failure(NamedTuple):
     """What has failed in a simulation.
 

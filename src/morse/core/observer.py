@@ -6,16 +6,6 @@ from __future__ import annotations
 SHOWN = "shown_by_observers"
 
 
-def before_tick(observer: Observer) -> None:
-    """Notify an observer; for `morse.core.guard.Guard.each`."""
-    observer.before_tick()
-
-
-def after_tick(observer: Observer) -> None:
-    """Notify an observer; for `morse.core.guard.Guard.each`."""
-    observer.after_tick()
-
-
 class Observer:
     """Observes a simulation; all methods are called in the simulation thread and do nothing by default.
 

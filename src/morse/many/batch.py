@@ -13,8 +13,8 @@ from morse.many.readings import ContactColumn, DataColumn
 from morse.many.rows import RowArrays, only_row_of, rows_of, seeds_of
 from morse.many.scenes import Scenes
 from morse.many.window import Window
-from morse.simulation.ownership import Ownership
 from morse.simulation.states.state import State
+from morse.simulation.ticks.stepping import Ownership
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

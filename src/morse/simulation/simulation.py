@@ -17,14 +17,12 @@ from morse.core.sensor import Sensor
 from morse.middleware.registry import needs_network
 from morse.physics import World
 from morse.scene.image_workers import image_workers
-from morse.simulation.ending import Ending
-from morse.simulation.finalizing import Finalizing
+from morse.simulation.ending import Ending, Finalizing
 from morse.simulation.handles.component_handles import normalized
 from morse.simulation.handles.handles import Handles
+from morse.simulation.handles.world_changes import SimulationPictures, sensor_names
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
 from morse.simulation.offering import offer_services
-from morse.simulation.ownership import Ownership
-from morse.simulation.pictures import SimulationPictures
 from morse.simulation.population import Population
 from morse.simulation.recordings.input_recording import InputRecorder
 from morse.simulation.recordings.recorders import start_recording
@@ -32,9 +30,8 @@ from morse.simulation.recordings.replaying import Replay
 from morse.simulation.states.saving import Saving
 from morse.simulation.states.state import State
 from morse.simulation.ticks.loop import Loop
-from morse.simulation.ticks.paused import Paused
 from morse.simulation.ticks.profile import Profile
-from morse.simulation.ticks.stepping import Stepping
+from morse.simulation.ticks.stepping import Ownership, Paused, Stepping
 from morse.simulation.ticks.ticking import Ticker
 from morse.simulation.watching.edits import Edits
 
@@ -48,9 +45,8 @@ if TYPE_CHECKING:
     from morse.physics.model.compile import Compiled
     from morse.recording.recorder import Recorder
     from morse.scene import Scene
-    from morse.simulation.handles.world_changes import NamedPictures
+    from morse.simulation.handles.world_changes import LiveView, NamedPictures
     from morse.simulation.options import RunOptions
-    from morse.simulation.pictures import LiveView
     from morse.simulation.recordings.input_recording import InputRecording
     from morse.simulation.recordings.recorders import FlightRecorder
 
@@ -226,7 +222,17 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
                     self._loop.go_on()
                 if self.context.network is not None:
                     self.context.network.give_back()
-        self._raise_failure()
+        if self._failure is not None:
+            self._raise_failure()
+
+    def check_step(self, ticks: int, measure: Sequence[str] | bool) -> None:
+        """Raise the error that `Simulation.step` would raise for these arguments."""
+        if isinstance(ticks, bool) or not hasattr(ticks, "__index__"):
+            raise TypeError(f"the number of ticks is an integer, not {ticks!r:.80}")
+        if ticks < 0:
+            raise ValueError(f"time does not go backwards: {ticks} ticks")
+        if not isinstance(measure, bool):
+            self._check_sensors(sensor_names(measure))
 
     def run(self, duration: float | None = None, speed: float | None = None) -> None:
         """Run in step with the wall clock until `stop` is called.

@@ -17,7 +17,7 @@ from morse.core.streams.kind_stream import KindStream
 from morse.middleware.mqtt import MANAGER_OPTIONS, STREAM_OPTIONS
 from morse.middleware.mqtt.broker import Broker
 from morse.wire.encoding import from_json, plain
-from morse.wire.inbox import Inbox
+from morse.wire.lines import Inbox
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from morse.wire.inbox import Inbox
-from morse.wire.lines import MAX_LINE, LineClient, beginning
+from morse.wire.lines import MAX_LINE, Inbox, LineClient, beginning
 from morse.wire.server import LineServer
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.assets.meshfiles.pictures import Pictures
 from morse.assets.search import worlds_with
@@ -26,12 +26,17 @@ from morse.system.regular_files import read_regular
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.core.context import Context
     from morse.core.values import Value
     from morse.core.world import Body
+    from morse.physics import World
+    from morse.rendering import Renderer
     from morse.scene import Image
     from morse.simulation.ticks.ticking import Ticker
-
+    from morse.viewer.notebook import Frame
 
 # Pictures that clients and programs name.
 
@@ -393,7 +398,7 @@ class WorldChanges:
 
     def _measure(self, sensors: Sequence[str] | bool | None, *, again: bool) -> None:
         """Let sensors measure, and note it as a call of the service."""
-        names = _names(sensors)
+        names = sensor_names(sensors)
         with self.context.journal.input(SERVICE, "simulation", ("measure", [names, again])):
             self.measure_by_service(names, again)
 
@@ -418,15 +423,6 @@ class WorldChanges:
         for contacts in self._contacts.values():
             contacts.begin()
         self._ticker.coasted(ticks, measured=measured)
-
-    def check_step(self, ticks: int, measure: Sequence[str] | bool) -> None:
-        """Raise the error that `Simulation.step` would raise for these arguments."""
-        if isinstance(ticks, bool) or not hasattr(ticks, "__index__"):
-            raise TypeError(f"the number of ticks is an integer, not {ticks!r:.80}")
-        if ticks < 0:
-            raise ValueError(f"time does not go backwards: {ticks} ticks")
-        if not isinstance(measure, bool):
-            self._check_sensors(_names(measure))
 
     def _check_sensors(self, names: Sequence[str] | None) -> None:
         components = self.context.components
@@ -466,7 +462,7 @@ def _numbers(color: Sequence[float]) -> list[float]:
         raise ValueError(f"a colour is red, green, blue from 0 to 1, not {color!r:.100}") from None
 
 
-def _names(sensors: Sequence[str] | bool | None) -> list[str] | None:
+def sensor_names(sensors: Sequence[str] | bool | None) -> list[str] | None:
     """Return the full names of sensors; None for all."""
     if sensors is None or isinstance(sensors, bool):
         return None
@@ -476,3 +472,66 @@ def _names(sensors: Sequence[str] | bool | None) -> list[str] | None:
         return [str(name) for name in sensors]
     except TypeError:
         raise TypeError(f"sensors are given by a list of full names, not {sensors!r:.80}") from None
+
+
+class LiveView(Protocol):
+    """What shows a simulation while it runs: the pages in browsers, or the viewer of MuJoCo."""
+
+    @property
+    def url(self) -> str:
+        """The address for a browser."""
+
+    def announce(self) -> None:
+        """Log the address."""
+
+
+class SimulationPictures:
+    """The part of `morse.simulation.simulation.Simulation` that shows the world."""
+
+    world: World
+    view: LiveView | None
+    #: what `picture` has read of the world
+    _renderer: Renderer | None = None
+
+    def _check_open(self) -> None:
+        raise NotImplementedError
+
+    def show(self, height: int = 480) -> Frame:
+        """Return the live view as an HTML frame, which a notebook displays if it is the value of a cell.
+
+        Args:
+            height: height of the frame, px.
+
+        Raises:
+            RuntimeError: the simulation was not loaded with ``view="web"``, or is closed.
+        """
+        self._check_open()
+        show: Callable[[int], Frame] | None = getattr(self.view, "show", None)
+        if show is None:
+            raise RuntimeError(
+                "there is no live view: load the scene with morse.load(SCENE, view='web'), or draw it by sim.picture()"
+            )
+        return show(height)
+
+    def picture(self, width: int = 960, height: int = 600, **view: Any) -> NDArray[np.uint8]:
+        """Render an image of the present world, from the initial viewpoint of the live view.
+
+        Args:
+            width: pixels.
+            height: pixels.
+            view: ``location``, m, and ``rotation``, Euler angles in rad (``[0, 0, 0]`` looks straight down), of the
+                camera; ``focal_length``, mm, of a sensor 32 mm wide.
+
+        Returns:
+            (height, width, 3) uint8, red, green and blue.
+
+        Raises:
+            ValueError: an argument is not valid for an image.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        from morse.rendering import Renderer, photograph
+
+        if self._renderer is None:
+            self._renderer = Renderer(self.world)
+        return photograph(self.world, width, height, **view, renderer=self._renderer)

@@ -12,7 +12,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.actuator import Actuator
-from morse.core.observer import after_tick
+from morse.core.guard import after_tick
 from morse.core.reports.faults import is_a
 from morse.core.rows.rows import ActuatorRows, Rows, SensorRows
 from morse.core.sensor import Sensor
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.observer import Observer
-    from morse.simulation.ticks.schedule import Schedule
+    from morse.simulation.ticks.ticking import Schedule
 
 #: largest number of ticks of a leap, so that Ctrl+C ends a step soon
 _MOST = 256
