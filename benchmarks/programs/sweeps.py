@@ -18,7 +18,7 @@ import morse
 from benchmarks import stopwatch
 from morse.many import Study
 from morse.many.run import run_once
-from morse.many.scene_cache import SceneCache
+from morse.many.scenes import SceneCache
 
 _SCENE = Path(__file__).parents[1] / "scenes" / "rows.py"
 #: processor time of the function of a run, s

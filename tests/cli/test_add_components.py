@@ -12,9 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from morse.cli.environments import class_name, component_name
+from morse.cli.environments import Values, class_name, component_name, templates_directory, write_component
 from morse.cli.messages import CommandError
-from morse.cli.templates import Values, templates_directory, write_component
 from morse.core.declarations import data_fields
 from morse.core.services import declared_services
 from tests.kit.effort import examples

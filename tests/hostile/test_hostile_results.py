@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 
 from morse.many import Study, Table
-from morse.many.ledger import Ledger, read_rows
-from morse.many.plots import histogram, scatter
+from morse.many.results import Ledger, read_rows
 from morse.many.run import Run, run_once
-from morse.many.summary import write_summary
+from morse.many.summary import histogram, scatter, write_summary
 from morse.many.values import plain
 
 if sys.platform == "win32":

@@ -5,9 +5,9 @@ import random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from morse.many import scene_cache as module
+from morse.many import scenes as module
 from morse.many.run import run_once
-from morse.many.scene_cache import SceneCache
+from morse.many.scenes import SceneCache
 from morse.many.study import Study
 from tests.kit.effort import examples
 from tests.many.many_scenes import crowded_arena

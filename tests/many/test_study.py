@@ -19,7 +19,7 @@ import pytest
 from morse.cli.sweep import ProgressLine
 from morse.many import Study, Table, choice, loguniform, normal, uniform
 from morse.many.executors import pack_size
-from morse.many.ledger import read_rows
+from morse.many.results import read_rows
 from tests.kit.programs import python
 from tests.kit.waiting import wait_until
 
@@ -486,7 +486,7 @@ def test_a_killed_driver_loses_nothing_and_leaves_no_orphans(tmp_path, pids):
 
 
 def test_one_process_at_a_time_has_a_folder(tmp_path, pids):
-    from morse.many.ledger import Ledger
+    from morse.many.results import Ledger
 
     with Ledger(tmp_path / "r"), pytest.raises(RuntimeError, match="another process is running a study"):
         study_of(tmp_path).run(tmp_path / "r", workers=0)

@@ -164,8 +164,8 @@ def _rerun(folder: str, run: str, file: str, *, name: str | None) -> int:
 def _watch(folder: str) -> int:
     """Show the progress until all runs are done, or Ctrl+C; return the number of failed runs."""
     from morse.many import Table
-    from morse.many.ledger import read_facts
     from morse.many.progress import Progress
+    from morse.many.results import read_facts
 
     progress: Progress | None = None
     tell = ProgressLine()

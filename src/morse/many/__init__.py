@@ -2,8 +2,8 @@
 
 from morse.many.batch import Batch, batch
 from morse.many.parameters import Distribution, choice, loguniform, normal, uniform
+from morse.many.results import Table
 from morse.many.run import Run
 from morse.many.study import Study
-from morse.many.table import Table
 
 __all__ = ["Batch", "Distribution", "Run", "Study", "Table", "batch", "choice", "loguniform", "normal", "uniform"]

@@ -9,7 +9,7 @@ import numpy as np
 
 from morse.core.reports.faults import ENDINGS
 from morse.many.batched_step import BatchedStep
-from morse.many.readings import ContactColumn, DataColumn
+from morse.many.fields import ContactColumn, DataColumn
 from morse.many.rows import RowArrays, only_row_of, rows_of, seeds_of
 from morse.many.scenes import Scenes
 from morse.many.window import Window

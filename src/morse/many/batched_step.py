@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.many.readings import DataColumn
+    from morse.many.fields import DataColumn
     from morse.simulation.simulation import Simulation
 
 

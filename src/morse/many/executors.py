@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from morse.core.reports.faults import summary
 from morse.many.run import run_once
-from morse.many.scene_cache import SceneCache
+from morse.many.scenes import SceneCache
 from morse.system.workers import Server, Worker, WorkerError, WorkerPool, can_fork
 
 if TYPE_CHECKING:

@@ -15,9 +15,7 @@ from morse.core.declarations import fields_of_component
 from morse.core.reports.quoting import nearest
 from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
-from morse.many.commands import CommandColumn
-from morse.many.layout import Layout
-from morse.many.readings import ContactColumn, DataColumn
+from morse.many.fields import CommandColumn, ContactColumn, DataColumn, Layout
 from morse.simulation.handles.component_handles import handle_of
 
 if TYPE_CHECKING:
@@ -28,8 +26,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.interfaces import Component
     from morse.core.values import Fields
-    from morse.many.commands import Command
-    from morse.many.readings import Contacts
+    from morse.many.fields import Command, Contacts
     from morse.simulation.handles.component_handles import ComponentHandle
     from morse.simulation.simulation import Simulation
 

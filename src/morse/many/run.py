@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.guard import Failure
     from morse.core.values import Options
-    from morse.many.scene_cache import SceneCache
+    from morse.many.scenes import SceneCache
     from morse.many.values import Row
     from morse.simulation.simulation import Simulation
 

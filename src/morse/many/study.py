@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from morse.core.values import Options
-    from morse.many.table import Table
+    from morse.many.results import Table
     from morse.many.values import Row
 
 #: arguments of `Study` that cannot be parameters
@@ -183,8 +183,7 @@ class Study:
         Raises:
             LookupError: there is no such run, or there are several.
         """
-        from morse.many.ledger import read_rows
-        from morse.many.table import Table
+        from morse.many.results import Table, read_rows
 
         row = Table(read_rows(folder).values(), folder).find(name)
         run = self.one({key: row[key] for key in self.axes}, row["seed"])

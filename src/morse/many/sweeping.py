@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.many.executors import Dispatcher, Elsewhere, Here, Processes
-from morse.many.ledger import ROWS, Ledger, read_facts
 from morse.many.progress import Progress
+from morse.many.results import ROWS, Ledger, Table, read_facts
 from morse.many.run import Task, machine_facts, signature
 from morse.many.summary import write_summary
-from morse.many.table import Table
 from morse.system.workers import can_fork
 
 if TYPE_CHECKING:

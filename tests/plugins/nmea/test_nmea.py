@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from morse.plugins.nmea.sentences import angle, sentence, sentences
+from morse.plugins.nmea.datastream import angle, sentence, sentences
 from tests.kit.waiting import wait_until
 
 SCENE = """

@@ -6,6 +6,7 @@ installed; each is implemented by services of the simulation, so that the journa
 
 from __future__ import annotations
 
+import math
 import re
 from time import thread_time
 from typing import TYPE_CHECKING
@@ -20,9 +21,9 @@ from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
 from morse.middleware.ros2 import NODE
 from morse.middleware.ros2.domain import Served
-from morse.middleware.ros2.entity_bounds import HULL, bounds, box_of, mistake, overlap
 from morse.middleware.ros2.simulation_steps import action_type
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, pose_of, quaternion, quaternion_of, xyz
+from morse.scene.extent import box_around
 from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
@@ -35,6 +36,64 @@ if TYPE_CHECKING:
     from morse.rosmsgs.topics.backend import Backend
     from morse.scene.node import Node
     from morse.scene.scene import Zone
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.core.values import DecodedMessage, RosMessage
+    from morse.core.world import World
+    from morse.scene.node import Node
+
+    Box = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+#: constants of Bounds
+EMPTY, BOX, HULL, SPHERE = 0, 1, 2, 3
+
+
+def box_of(world: World, root: Node) -> Box | None:
+    """Return the lower and the upper corner (3,) in the world, m, of the shapes of an entity; None without shapes."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for node in root.walk():
+        part = world.find_object(node) if node.shapes else None
+        if part is None:
+            continue
+        position, rotation = part.world_pose()
+        place, turn = np.array(position), np.reshape(rotation, (3, 3))
+        for shape in node.shapes or ():
+            lower, upper = box_around(shape, place, turn)
+            low, high = np.minimum(low, lower), np.maximum(high, upper)
+    return (low, high) if low[0] <= high[0] else None
+
+
+def bounds(box: Box | None) -> RosMessage:
+    """The message; the points of a box are its upper and its lower corner."""
+    if box is None:
+        return {"type": EMPTY, "points": []}
+    return {"type": BOX, "points": [xyz(box[1].tolist()), xyz(box[0].tolist())]}
+
+
+def mistake(message: DecodedMessage) -> str | None:
+    """What is wrong with bounds that are a filter; they are a box or a sphere."""
+    points = message["points"]
+    if message["type"] not in (BOX, SPHERE):
+        return "filters.bounds.type is 1 (box) or 3 (sphere)"
+    if len(points) != 2:
+        return f"filters.bounds.points has {len(points)} points; a box or a sphere has 2"
+    numbers = [number for point in points for number in from_xyz(point)]
+    if not all(math.isfinite(number) for number in numbers):
+        return "filters.bounds.points has a number that is not finite"
+    if message["type"] == SPHERE and numbers[3] < 0.0:
+        return "filters.bounds.points[1].x, the radius of the sphere, is negative"
+    return None
+
+
+def overlap(box: Box, message: DecodedMessage) -> bool:
+    """Whether a box has a point in common with the bounds of a filter without a `mistake`."""
+    one, other = (np.array(from_xyz(point)) for point in message["points"])
+    if message["type"] == SPHERE:
+        return bool(math.dist(np.clip(one, *box).tolist(), one.tolist()) <= other[0])
+    return bool((np.minimum(one, other) <= box[1]).all() and (np.maximum(one, other) >= box[0]).all())
+
 
 #: categories: object, robot, human, dynamic and static object
 _CATEGORIES = range(5)
