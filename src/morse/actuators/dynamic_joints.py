@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from morse.actuators.joint_services import JointServices
 from morse.core.declarations import DataField
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.robot import Robot
-    from morse.core.world import Body
+    from morse.core.world import Body, Joints
     from morse.scene import JointDynamics
 
 _UNITS = {
@@ -59,7 +59,7 @@ class DynamicJoints(JointServices):
     _control: str
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
-        self._motors: Any = None
+        self._motors: Joints | None = None
         self._controls: dict[str, Control] = {}
         #: control modes, and the limits of the setpoints and the steps per tick that follow from them
         self._bounded: tuple[dict[str, Control], list[tuple[float, float]]] = {}, []
@@ -139,7 +139,7 @@ class DynamicJoints(JointServices):
         """Pass new commands to the motors of tendons."""
         data = self.local_data
         forces = {name: min(max(float(data[name]), low), high) for name, (low, high) in self._tendons.items()}
-        if forces != self._pulled:
+        if self._motors is not None and forces != self._pulled:
             self._pulled = forces
             self._motors.pull(forces)
 
@@ -197,7 +197,7 @@ class DynamicJoints(JointServices):
         self._set_controls(dict.fromkeys(names, Control(control)))
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs; ``Control`` changes the control mode of all motors."""
         before = self._control
         super().set_property(name, value)

@@ -11,8 +11,6 @@ from morse.helpers.components import add_data, add_kind, add_property
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.values import Value
-
 
 class ForceTorque(Actuator):
     """Applies a force and a torque to the robot.
@@ -34,7 +32,7 @@ class ForceTorque(Actuator):
     _robot_frame: bool
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the frame of the fields, which depends on the property."""
         return {"force": {"frame": "robot"}, "torque": {"frame": "robot"}} if self._robot_frame else {}
 

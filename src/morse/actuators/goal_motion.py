@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core import status
 from morse.core.actuator import Actuator
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 ARRIVED, TRANSIT, STOP = "Arrived", "Transit", "Stop"
 
 
-def marker(component: Object, name: str) -> Any:
+def marker(component: Object, name: str) -> Body | None:
     """Return the object of that name, which marks the goal of a robot; None if there is none."""
     return component.context.world.objects_by_name.get(name) if name else None
 

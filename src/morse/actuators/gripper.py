@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property, add_state
-from morse.mathutils.rotations import turn, turn_back
+from morse.mathutils.rotations import rotation_of, turn, turn_back
 from morse.scene import Bone, JointKind
 from morse.scene.extent import extent
 
@@ -43,15 +43,15 @@ class Fingers:
 
     is_apparatus = True
 
-    def __init__(self, world: World, gripper: Any) -> None:
+    def __init__(self, world: World, gripper: Body) -> None:
         self._gripper = gripper
         parts = {part.node.plain_name: part for part in gripper.childrenRecursive}
         finger_parts = [parts[name] for name in _NAMES if name in parts]
         bones, hanging = [], []
         for number, part in enumerate(finger_parts):
             position, rotation = part.local_pose()
-            hinge = [a + b for a, b in zip(position, turn(rotation, _HINGE), strict=True)]
-            bones.append(Bone(part.name, -1, tuple(hinge), tuple(rotation), 0.0, JointKind.REVOLUTE, 0))
+            x, y, z = [a + b for a, b in zip(position, turn(rotation, _HINGE), strict=True)]
+            bones.append(Bone(part.name, -1, (x, y, z), rotation_of(rotation), 0.0, JointKind.REVOLUTE, 0))
             back = tuple(-value for value in _HINGE)
             hanging.append((part, number, back, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)))
         self._linkage = world.linkage(gripper, bones, hanging)
@@ -62,14 +62,14 @@ class Fingers:
         """Turn the fingers inward from their open positions, rad, left and right."""
         self._linkage.move([-angle for angle in angles])
 
-    def closed(self, obj: Any) -> list[float]:
+    def closed(self, obj: Body | None) -> list[float]:
         """The angles at which the fingers meet the held object, or each other, rad, left and right."""
         return [_angle_at(distance) for distance in self._sides(obj)]
 
-    def _sides(self, obj: Body) -> tuple[float, float]:
+    def _sides(self, obj: Body | None) -> tuple[float, float]:
         """How far an object extends to the left and to the right between the pads, m; 0 if it is not between them."""
         corners = None if obj is None else extent(obj.node.walk(), obj.node)
-        if corners is None:
+        if obj is None or corners is None:
             return 0.0, 0.0
         (ox, oy, oz), r = self._gripper.world_pose()
         (px, py, pz), q = obj.world_pose()
@@ -131,7 +131,7 @@ class Gripper(Actuator):
         self._goal = self._fingers.closed(None)
 
     @property
-    def held(self) -> Any:
+    def held(self) -> Body | None:
         """The held object, or None."""
         thing = self.context.world.objects_by_name.get(self._held_name) if self._held_name else None
         if thing is None or thing.parent is not self.bge_object:
@@ -187,7 +187,7 @@ class Gripper(Actuator):
             self._closing = angles
             self._fingers.turn(angles)
 
-    def _nearest(self) -> Any:
+    def _nearest(self) -> Body | None:
         (x, y, z), r = self.bge_object.world_pose()
         cosine = math.cos(math.radians(0.5 * self._angle))
         nearest, reach = None, self._distance
@@ -200,6 +200,6 @@ class Gripper(Actuator):
                     nearest, reach = thing, distance
         return nearest
 
-    def _is_loose(self, thing: Any) -> bool:
+    def _is_loose(self, thing: Body) -> bool:
         """Whether an object can be grasped: it is not held, and is not a part of another object."""
         return thing.parent is None

@@ -17,8 +17,8 @@ from morse.scene.extent import extent
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from morse.core.limits import Limits
     from morse.core.robot import Robot
-    from morse.core.values import Fields
     from morse.core.world import Body
 
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
@@ -28,7 +28,7 @@ _THINNEST = 1e-3  # m
 _HEAVE = 0.3
 #: maximum force and torque of the engine, N and N·m
 _MOST = 1e8
-_SIZE: Fields = {"unit": "m", "low": 0.0, "high": 1e4}
+_SIZE: Limits = {"unit": "m", "low": 0.0, "high": 1e4}
 
 
 class Hydrodynamics(Actuator):

@@ -81,7 +81,7 @@ class JointGains(DynamicJoints):
     def _set_controls(self, controls: dict[str, Control]) -> None:
         super()._set_controls(controls)
         for name in controls:
-            if name in self._gains:
+            if name in self._gains and self._motors is not None:
                 self._motors.set_gains(name, *self._gains[name])
 
 
@@ -232,13 +232,13 @@ class JointPaths(JointGains):
             None if velocities is None else [velocities[place] for place in places],
         )
 
-    def progress(self) -> Fields:
+    def progress(self) -> dict[str, object]:
         """Return the measured joints, the setpoints and their differences; of a trajectory, for its joints."""
         trajectory = self._trajectory
         if trajectory is None:
             return super().progress()
         setpoints, actual, speeds, present = self._followed(trajectory)
-        sides: dict[str, Fields] = {
+        sides: dict[str, dict[str, list[float]]] = {
             "desired": {"positions": list(setpoints), "velocities": list(speeds)},
             "actual": {"positions": actual},
             "error": {"positions": [a - b for a, b in zip(setpoints, actual, strict=True)]},

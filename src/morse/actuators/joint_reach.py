@@ -17,14 +17,21 @@ from morse.helpers.inverse_kinematics import LEVER, Target, improve, kicked, off
 from morse.helpers.joint_trajectory import Plan, Tolerances, Trajectory
 from morse.helpers.joint_trajectory import Point as PathPoint
 from morse.mathutils import Euler
-from morse.mathutils.rotations import nine, product, quaternion_from_rotation, rotation_from_quaternion, turn, turn_back
+from morse.mathutils.rotations import (
+    nine,
+    product,
+    quaternion_from_rotation,
+    rotation_from_quaternion,
+    rotation_of,
+    turn,
+    turn_back,
+)
 from morse.scene import JointKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from morse.core.robot import Robot
-    from morse.core.values import Fields
     from morse.core.world import Body
     from morse.helpers.chain import Chain, Pose
 
@@ -55,7 +62,7 @@ class JointReach(JointPaths):
         self._corrections: dict[str, float] = {}
         for child, index, position, rotation in self._hanging(obj):
             x, y, z = position
-            self._mounts[child.node.plain_name] = index, ((x, y, z), rotation)
+            self._mounts[child.node.plain_name] = index, ((x, y, z), rotation_of(rotation))
 
     @service(changes=False)
     def get_links(self) -> list[str]:
@@ -117,7 +124,14 @@ class JointReach(JointPaths):
         most = joint.dynamics.speed if joint.dynamics is not None and joint.dynamics.speed > 0.0 else math.inf
         return max(min(common if speed is None else speed, most), 1e-3)
 
-    def _target_of(self, link: str, position: Any, orientation: Any, point: Any, frame: str) -> Target:
+    def _target_of(
+        self,
+        link: str,
+        position: Sequence[float],
+        orientation: Sequence[float] | None,
+        point: Sequence[float] | None,
+        frame: str,
+    ) -> Target:
         """The target in the frame of the armature."""
         if link not in self._mounts:
             raise MorseRPCInvokationError(f"{self.name()}: there is no link {shown(link)}{nearest(link, self._mounts)}")
@@ -237,12 +251,12 @@ class Follower:
         return best.values
 
 
-def targets_of(obj: Body) -> Fields:
+def targets_of(obj: Body) -> dict[str, Body]:
     """The targets of an armature by name."""
     return {child.name: child for child in obj.children if BONE in child.properties}
 
 
-def seen_from(chain: Chain, targets: Iterable[Any], lever: float) -> list[Target]:
+def seen_from(chain: Chain, targets: Iterable[Body], lever: float) -> list[Target]:
     """Return the targets of existing bones, in the frame of the armature.
 
     Args:
@@ -253,7 +267,7 @@ def seen_from(chain: Chain, targets: Iterable[Any], lever: float) -> list[Target
         index = chain.index(str(target.properties[BONE]))
         if index is not None:
             (x, y, z), r = target.local_pose()
-            poses.append(Target(index, ((x, y, z), tuple(r)), lever))
+            poses.append(Target(index, ((x, y, z), rotation_of(r)), lever))
     return poses
 
 

@@ -21,12 +21,12 @@ from morse.scene import JointKind
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from morse.core.robot import Robot
     from morse.core.robot_parts import MovingPart
-    from morse.core.values import Fields
-    from morse.core.world import Body
+    from morse.core.world import Body, Hanging
+    from morse.scene import Bone
 
 
 class JointMotion(Actuator):
@@ -88,7 +88,7 @@ class JointMotion(Actuator):
         """The links of the armature, with the names of its file."""
         return link_parts(self.bge_object, self.chain, lambda: self.joint_values, self.context.components)
 
-    def _hanging(self, obj: Any) -> Any:
+    def _hanging(self, obj: Body) -> Iterator[Hanging]:
         """The objects attached to bones: object, index of the bone, and its pose in the frame of the bone."""
         frames = self.chain.frames(self.chain.start)
         for child in obj.children:
@@ -217,7 +217,7 @@ class JointServices(JointMotion):
         self._stop()
         super().interrupt()
 
-    def progress(self) -> Fields:
+    def progress(self) -> dict[str, object]:
         """Return the values of the joints and their setpoints."""
         return of_joints(self.joints, self._values, self._wanted())
 
@@ -338,7 +338,7 @@ class JointServices(JointMotion):
         """
         self._go(joint_translations, _PRISMATIC, speed)
 
-    def _joint(self, name: str) -> tuple[int, Any]:
+    def _joint(self, name: str) -> tuple[int, Bone]:
         """Return the index and the bone of a joint."""
         if name not in self.joints:
             raise MorseRPCInvokationError(f"{self.name()}: there is no joint {shown(name)}{nearest(name, self.joints)}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -59,9 +59,9 @@ class LedArray(Actuator):
         #: start time of the present blinking, s
         self._since = 0.0
         self._warned = False
-        self._shown = self.local_data["colours"]
+        self._shown: np.ndarray = self.local_data["colours"]
         #: the last pattern that was sent to the view
-        self._drawn: Any = None
+        self._drawn: np.ndarray | None = None
 
     # -- services --------------------------------------------------------------------------
 
@@ -128,7 +128,7 @@ class LedArray(Actuator):
     def _wrong_shape(self, shape: tuple[int, ...]) -> str:
         return f"a pattern for these lights has the shape {(self.rows, self.columns, 3)}, not {tuple(shape)}"
 
-    def _picture(self) -> Any:
+    def _picture(self) -> np.ndarray:
         picture = self.local_data["colours"]
         if np.shape(picture) == (self.rows, self.columns, 3):
             self._warned = False

@@ -12,13 +12,13 @@ from morse.mathutils import Vector
 from morse.mathutils.rotations import turn
 
 if TYPE_CHECKING:
+    from morse.core.limits import Limits
     from morse.core.robot import Robot
-    from morse.core.values import Fields
     from morse.core.world import Body
 
 #: speed below which there are no forces, m/s
 _SLOWEST = 0.01
-_SLOPE: Fields = {"low": -1e4, "high": 1e4}
+_SLOPE: Limits = {"low": -1e4, "high": 1e4}
 
 
 class LiftDrag(Actuator):

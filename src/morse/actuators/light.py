@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCTypeError
@@ -72,7 +72,7 @@ class Light(Actuator):
         self._shown = self._looks()
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs."""
         before = self._color
         super().set_property(name, value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.services import service
@@ -139,7 +139,7 @@ class LimitedMotion(Actuator):
         self._angular = Ramp()
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs.
 
         If there was no limit before, the speeds continue from the command.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.limits import ANGLE, Angle
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property, add_state
+from morse.mathutils.rotations import rotation_of
 from morse.scene import Bone, JointKind
 
 if TYPE_CHECKING:
@@ -116,14 +117,14 @@ class PA10(Actuator):
         self.local_data.update(zip(_SEGMENTS, map(float, (seg0, seg1, seg2, seg3, seg4, seg5)), strict=True))
 
 
-def _part(obj: Body, name: str) -> Any:
+def _part(obj: Body, name: str) -> Body:
     for part in obj.childrenRecursive:
         if part.node.plain_name == name:
             return part
     raise ValueError(f"its model has no part '{name}': a PA-10 arm needs six, PA10-1 to PA10-6")
 
 
-def _joint(part: Any, axis: str) -> Bone:
+def _joint(part: Body, axis: str) -> Bone:
     """The joint between a segment and its parent."""
-    position, rotation = part.local_pose()
-    return Bone(part.name, -1, tuple(position), tuple(rotation), 0.0, JointKind.REVOLUTE, "xyz".index(axis))
+    (x, y, z), rotation = part.local_pose()
+    return Bone(part.name, -1, (x, y, z), rotation_of(rotation), 0.0, JointKind.REVOLUTE, "xyz".index(axis))

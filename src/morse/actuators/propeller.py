@@ -12,13 +12,13 @@ from morse.mathutils.rotations import turn, turn_back
 from morse.scene import Control
 
 if TYPE_CHECKING:
+    from morse.core.limits import Limits
     from morse.core.robot import Robot
-    from morse.core.values import Fields
     from morse.core.world import Body
 
 #: N and N m
 _STRONGEST = 1e8
-_SPEED: Fields = {"unit": "rad/s", "low": -1e5, "high": 1e5}
+_SPEED: Limits = {"unit": "rad/s", "low": -1e5, "high": 1e5}
 
 
 class Propeller(Actuator):

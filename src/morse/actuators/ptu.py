@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core import status
 from morse.core.actuator import Actuator
@@ -17,8 +17,9 @@ from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.robot import Robot
-    from morse.core.values import Fields
     from morse.core.world import Body
 
 _BASE, _HEAD = "PanBase", "TiltBase"
@@ -104,7 +105,7 @@ class PTU(Actuator):
         self.local_data["pan"], self.local_data["tilt"] = self.pan, self.tilt
         super().interrupt()
 
-    def progress(self) -> Fields:
+    def progress(self) -> dict[str, object]:
         """Return both angles and their setpoints."""
         return of_joints(("pan", "tilt"), (self.pan, self.tilt), (self.local_data["pan"], self.local_data["tilt"]))
 
@@ -151,7 +152,7 @@ class PTU(Actuator):
             raise MorseRPCInvokationError(f"there is no object '{obj_name}'{nearest(obj_name, sorted(objects))}")
         self._aim(objects[obj_name].world_pose()[0])
 
-    def _aim(self, place: Any) -> None:
+    def _aim(self, place: Sequence[float]) -> None:
         (x, y, z), r = self.bge_object.world_pose()
         dx, dy, dz = place[0] - x, place[1] - y, place[2] - z
         ahead, left, up = (r[i] * dx + r[i + 3] * dy + r[i + 6] * dz for i in (0, 1, 2))
@@ -164,7 +165,7 @@ def _rest(target: float, angle: float) -> float:
     return 0.0 if angle == target else target - angle
 
 
-def _part(obj: Body, name: str) -> Any:
+def _part(obj: Body, name: str) -> Body:
     for part in obj.childrenRecursive:
         if part.node.plain_name == name:
             return part

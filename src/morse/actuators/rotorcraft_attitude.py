@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.robot import Robot
-    from morse.core.values import Value
     from morse.core.world import Body
 
 
@@ -76,7 +75,7 @@ class RotorcraftAttitude(Rotorcraft):
         self._yaw_wanted: float | None = None
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the unit of the yaw field, which depends on the property YawRateControl."""
         return {"yaw": {"unit": "rad/s"}} if self._yaw_rate_control else {}
 

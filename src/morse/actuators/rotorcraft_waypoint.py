@@ -15,7 +15,6 @@ from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
-    from morse.core.values import Fields
     from morse.core.world import Body
 
 
@@ -111,7 +110,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
         self.robot_parent.move_status = STOP
         super().interrupt()
 
-    def progress(self) -> Fields:
+    def progress(self) -> dict[str, object]:
         """Return the distance to the destination."""
         here = self.robot_parent.bge_object.world_pose()[0]
         return of_distance(math.dist(here, [self.local_data[name] for name in "xyz"]))

@@ -14,11 +14,11 @@ from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
+    from morse.core.limits import Limits
     from morse.core.robot import Robot
-    from morse.core.values import Fields
     from morse.core.world import Body
 
-_SPEED: Fields = {"unit": "m/s", "low": 0.0, "high": 1e4}
+_SPEED: Limits = {"unit": "m/s", "low": 0.0, "high": 1e4}
 #: heading error above which the robot turns on the spot
 _TURN_ON_THE_SPOT = math.radians(60.0)
 #: distance of an obstacle from the radars below which the robot turns on the spot, m
@@ -169,7 +169,7 @@ class Waypoint(GoalMotion):
         self.robot_parent.move_status = STOP
         super().interrupt()
 
-    def progress(self) -> Fields:
+    def progress(self) -> dict[str, object]:
         """Return the distance to the destination, and the time at the present speed."""
         data = self.local_data
         return of_distance(self._distance(data["x"], data["y"], data["z"]), data["speed"])

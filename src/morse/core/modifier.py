@@ -41,7 +41,7 @@ class AbstractModifier(ABC):
     """
 
     options: ClassVar[Mapping[str, Option] | None] = None
-    changes: Mapping[str, Mapping[str, Value]] = MappingProxyType({})
+    changes: Mapping[str, Mapping[str, object]] = MappingProxyType({})
     covariances: Mapping[str, Callable[[], NDArray[np.float64] | None]] = MappingProxyType({})
     #: attributes that are not part of the state: they are created from the scene
     not_state: ClassVar[tuple[str, ...]] = ("component_instance", "kwargs", "_complaints", "covariances")

@@ -147,7 +147,7 @@ class Object(Requesting, AbstractObject):
     _is_read = False
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return changes of the declarations of fields that depend on the properties of this component.
 
         For example ``{"x": {"frame": "enu"}}``; ``stddev`` is the standard deviation of noise that the component itself

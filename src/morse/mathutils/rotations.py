@@ -59,6 +59,12 @@ def cross(a: Sequence[float], b: Sequence[float]) -> Triple:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
+def rotation_of(numbers: Sequence[float]) -> Rotation9:
+    """Return the nine numbers of a rotation, row by row, as a tuple."""
+    a, b, c, d, e, f, g, h, i = numbers
+    return a, b, c, d, e, f, g, h, i
+
+
 def nine(rows: Sequence[Sequence[float]]) -> Rotation9:
     """Return the upper left 3x3 of a matrix."""
     (a, b, c), (d, e, f), (g, h, i) = rows[0][:3], rows[1][:3], rows[2][:3]

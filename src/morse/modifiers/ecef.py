@@ -10,7 +10,6 @@ from morse.modifiers.earth import EarthModifier
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _CHANGES = MappingProxyType({name: {"frame": "earth"} for name in "xyz"})
@@ -21,7 +20,7 @@ class CoordinatesToECEF(EarthModifier):
 
     _names = ("ECEF",)
     _components = ("Pose", "GPS")
-    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
+    changes: Mapping[str, Mapping[str, object]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """World to earth-centred coordinates, m."""
@@ -33,7 +32,7 @@ class CoordinatesFromECEF(EarthModifier):
 
     _names = ("ECEF",)
     _components = ("Destination", "Waypoint", "Teleport")
-    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
+    changes: Mapping[str, Mapping[str, object]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Earth-centred to world coordinates, m."""

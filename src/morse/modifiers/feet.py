@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.declarations import Option
-    from morse.core.values import Value
 
 #: feet per metre, as in MORSE 1.4 (the international foot is 0.3048 m)
 FEET = 3.2808399
@@ -22,7 +21,7 @@ class _Feet(AbstractModifier):
     """The common part of both directions."""
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
-    changes: Mapping[str, Mapping[str, Value]] = MappingProxyType({name: {"unit": "ft"} for name in _COORDINATES})
+    changes: Mapping[str, Mapping[str, object]] = MappingProxyType({name: {"unit": "ft"} for name in _COORDINATES})
     _factor = 1.0
 
     def modify(self) -> None:

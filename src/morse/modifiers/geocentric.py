@@ -11,7 +11,6 @@ from morse.modifiers.earth import EarthModifier
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _CHANGES = MappingProxyType(
@@ -28,7 +27,7 @@ class CoordinatesToGeocentric(EarthModifier):
 
     _names = ("geocentric",)
     _components = ("Pose", "GPS")
-    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
+    changes: Mapping[str, Mapping[str, object]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert world coordinates, m, to longitude, latitude, distance."""
@@ -40,7 +39,7 @@ class CoordinatesFromGeocentric(EarthModifier):
 
     _names = ("geocentric",)
     _components = ("Destination", "Waypoint", "Teleport")
-    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
+    changes: Mapping[str, Mapping[str, object]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert longitude, latitude, distance to world coordinates, m."""

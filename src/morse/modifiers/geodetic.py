@@ -10,7 +10,6 @@ from morse.modifiers.earth import EarthModifier
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _CHANGES = MappingProxyType(
@@ -27,7 +26,7 @@ class CoordinatesToGeodetic(EarthModifier):
 
     _names = ("geodetic",)
     _components = ("Pose", "GPS")
-    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
+    changes: Mapping[str, Mapping[str, object]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert world coordinates, m, to longitude, latitude, altitude."""
@@ -39,7 +38,7 @@ class CoordinatesFromGeodetic(EarthModifier):
 
     _names = ("geodetic",)
     _components = ("Destination", "Waypoint", "Teleport")
-    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
+    changes: Mapping[str, Mapping[str, object]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert longitude, latitude, altitude to world coordinates, m."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.object import Object
-    from morse.core.values import Options
+    from morse.core.values import Options, Value
 
 _AXES = ("x", "y", "z")
 _FIELDS = {"gyro_std": "angular_velocity", "accel_std": "linear_acceleration"}
@@ -60,7 +60,7 @@ class IMUNoiseModifier(AbstractModifier):
             self.data[field] = noisy if isinstance(value, list) else _like(value, noisy)
 
 
-def _like(value: Any, numbers: list[float]) -> object:
+def _like(value: Value, numbers: list[float]) -> object:
     """Return numbers as a vector or array of the same type as ``value``."""
     copy = value.copy()
     copy[:] = numbers

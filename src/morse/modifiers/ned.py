@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.declarations import Option
-    from morse.core.values import Value
 
 _COORDINATES, _ANGLES = ("x", "y", "z"), ("yaw", "pitch")
 _FULL_TURN = 2.0 * math.pi
@@ -27,7 +26,7 @@ class AbstractNED(AbstractModifier):
     """Converts coordinates and angles; the conversion is its own inverse."""
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
-    changes: Mapping[str, Mapping[str, Value]] = MappingProxyType(
+    changes: Mapping[str, Mapping[str, object]] = MappingProxyType(
         {name: {"frame": "ned"} for name in (*_COORDINATES, "roll", *_ANGLES)}
     )
 

@@ -14,7 +14,6 @@ from morse.core.reports.quoting import shown
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _PROPERTIES = {"x": "UTMXOffset", "y": "UTMYOffset", "z": "UTMZOffset"}
@@ -35,7 +34,7 @@ class UTMModifier(AbstractModifier):
             for axis in "xyz"
         }
     )
-    changes: Mapping[str, Mapping[str, Value]] = MappingProxyType(
+    changes: Mapping[str, Mapping[str, object]] = MappingProxyType(
         # the axes of the grid are parallel to those of the world
         {name: {"frame": "utm"} for name in ("x", "y", "z", "roll", "pitch", "yaw")}
     )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import nearest, shown
 from morse.core.robot import Robot
 from morse.core.services import service
+
+if TYPE_CHECKING:
+    from morse.core.world import Body
 
 #: distance between the hand and an object that it can grasp, m
 _REACH = 0.5
@@ -50,15 +53,16 @@ class GraspingRobot(Robot):
             obj.setParent(hand)
         return obj is not None
 
-    def _hand(self) -> object:
+    def _hand(self) -> Body:
         parts = [self.bge_object, *self.bge_object.childrenRecursive]
         hands = [part for part in parts if part.properties.get(_HAND)]
         right = [part for part in parts if part.node.bone == self.hand_bone]
         if not hands and not right:
             raise MorseRPCInvokationError(f"{self.name()} has no hand: make_grasper in the scene script chooses one")
-        return (hands or right)[0]
+        hand: Body = (hands or right)[0]
+        return hand
 
-    def _within_reach(self, hand: Any, name: str | None) -> Any:
+    def _within_reach(self, hand: Body, name: str | None) -> Body | None:
         """The object of that name, or the nearest one; None if none is within reach."""
         loose = [thing for thing in self.context.world.objects() if thing.properties.get(_TAG) and thing.parent is None]
         if name is not None:

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.robot import Robot
-    from morse.core.values import Value
     from morse.core.world import Body
 
 
@@ -49,7 +48,7 @@ class Attitude(MotionSensor):
         self._north = angle_against_north(self.context.scene.properties)
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the frame of the attitude, which is east-north-up with ``UseAngleAgainstNorth``."""
         return {"rotation": {"frame": "enu"}} if self._use_angle_against_north else {}
 

@@ -14,7 +14,6 @@ from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
 from morse.core.status import SUCCESS
 from morse.core.validation.arguments import Range
-from morse.core.values import Value
 from morse.helpers.components import add_property, add_state
 from morse.sensors.delayed_pictures import DelayedPictures, Exposure
 
@@ -217,7 +216,7 @@ class Camera(Sensor):
         return self.image_width * self.image_height
 
     @service
-    def set_property(self, name: str, value: Value) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs."""
         before = dict(self.__dict__)
         super().set_property(name, value)
@@ -340,7 +339,7 @@ class Camera(Sensor):
     def take(self, picture: Picture) -> None:
         """Fill ``local_data`` from an image."""
 
-    def shown(self) -> Mapping[str, Any]:
+    def shown(self) -> Mapping[str, object]:
         """The fields ``image``, ``timestamp`` and ``objects`` as the live view shows them."""
         return known_data(self)
 
@@ -392,11 +391,11 @@ class Camera(Sensor):
         """Return the rows of an image, whose top row is first, in the order given by ``Vertical_Flip``."""
         return rows if self.vertical_flip else np.ascontiguousarray(rows[::-1])
 
-    def top_first(self, rows: Any) -> np.ndarray:
+    def top_first(self, rows: np.ndarray) -> np.ndarray:
         """Convert rows in the order of ``Vertical_Flip`` to rows with the top row first."""
         return np.asarray(rows) if self.vertical_flip else np.ascontiguousarray(np.asarray(rows)[::-1])
 
 
-def _plain(pose: tuple[Any, Any]) -> Pose:
+def _plain(pose: tuple[Sequence[float], Sequence[float]]) -> Pose:
     position, rotation = pose
     return tuple(map(float, position)), tuple(map(float, rotation))

@@ -9,7 +9,6 @@ from morse.core.exceptions import MorseRPCTypeError
 from morse.core.reports.quoting import nearest, shown
 from morse.core.sensor import Sensor
 from morse.core.services import service
-from morse.core.values import Value
 from morse.helpers.components import add_property
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ class CompoundSensor(Sensor):
         }
 
     @service
-    def set_property(self, name: str, value: Value) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs."""
         before = self._sensors
         super().set_property(name, value)

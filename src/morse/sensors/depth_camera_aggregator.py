@@ -10,7 +10,6 @@ from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.reports.quoting import nearest, shown
 from morse.core.services import service
-from morse.core.values import Value
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.mathutils.portable import matmul
 from morse.sensors.camera_unit import CameraUnit
@@ -74,7 +73,7 @@ class DepthCameraAggregator(CameraUnit):
         return self.master() if self.clouds() else None
 
     @service
-    def set_property(self, name: str, value: Value) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs."""
         before = self.master_camera
         super().set_property(name, value)

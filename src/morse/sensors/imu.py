@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from morse.core.realism import GeneratorState
     from morse.core.robot import Robot
-    from morse.core.values import Fields, Value
     from morse.core.world import Body
 
 
@@ -51,7 +50,7 @@ class ErrorTerms(NamedTuple):
         """Standard deviation of the bias with a correlation time, u."""
         return self.instability / _GAUSS_MARKOV_PEAK
 
-    def deviations(self, frequency: float) -> Fields:
+    def deviations(self, frequency: float) -> dict[str, list[float] | float]:
         """Return the errors of measurements with a frequency, Hz, like `AbstractModifier.changes`."""
         white = [math.hypot(density * math.sqrt(frequency), self.spread) for density in self.density]
         return {"stddev": white, "walk": self.random_walk}
@@ -279,7 +278,7 @@ class IMU(MotionSensor):
         return ErrorTerms(density, self._accel_instability, self._accel_walk, self._correlation_time)
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the errors of angular velocity and specific force."""
         return {
             "angular_velocity": self._gyro_terms().deviations(self.frequency),
@@ -305,7 +304,7 @@ class IMU(MotionSensor):
         self.local_data.update(self._felt(motion, self.position_3d.get_pose()))
         self._add_errors()
 
-    def _felt(self, motion: Motion, pose: tuple[Sequence[float], Sequence[float]]) -> dict[str, list[float]]:
+    def _felt(self, motion: Motion, pose: tuple[Sequence[float], Sequence[float]]) -> dict[str, list[float] | float]:
         """Return the measurement of an ideal sensor."""
         position, rotation = pose
         x, y, z = motion.acceleration

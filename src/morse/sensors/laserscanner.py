@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from morse.core.rows.columns import Columns, arrays_of, in_columns
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.streams.local_data import Later, LocalData
-from morse.core.values import Value
 from morse.helpers.components import add_data, add_kind, add_level, add_property, computed, on_read, prop
 from morse.helpers.fans import MOST_LAYERS, fan
 from morse.mathutils.portable import matmul
@@ -25,10 +24,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.limits import Limits
     from morse.core.realism import Noise
     from morse.core.robot import Robot
-    from morse.core.values import Fields
-    from morse.core.world import Body
+    from morse.core.values import Fields, Value
+    from morse.core.world import Body, Sight
 
 #: downward tilt of the fan of a rotating scanner
 _TILT = math.radians(12.0)
@@ -91,7 +91,7 @@ def _layer(scanner: LaserScanner) -> NDArray[np.intp]:
     return (np.arange(len(hits)) * scanner.layers // max(len(hits), 1))[hits]
 
 
-def _seen(sight: Any) -> NDArray[np.float64]:
+def _seen(sight: Sight) -> NDArray[np.float64]:
     """The distances of a cast."""
     ranges: NDArray[np.float64] = sight.ranges
     return ranges
@@ -102,8 +102,8 @@ def _ranges_at(_snapshots: object, arrays: Sequence[Sequence[NDArray[np.float64]
     return {"range_list": arrays_of(arrays)}
 
 
-_SEPARATION: Fields = {"unit": "deg", "low": -180.0, "high": 180.0}
-_OFFSET: Fields = {"unit": "deg", "low": -360.0, "high": 360.0}
+_SEPARATION: Limits = {"unit": "deg", "low": -180.0, "high": 180.0}
+_OFFSET: Limits = {"unit": "deg", "low": -360.0, "high": 360.0}
 _SCAN: Fields = {
     "ranges": computed(_ranges, "laser_range", "scan_window", "range_min", by_rows=True),
     "intensities": computed(_remissions, "scan_window", by_rows=True),
@@ -283,7 +283,7 @@ class LaserScanner(Sensor):
         return RAY * (self.scan_window / self.resolution + 1.0) * self.layers
 
     @service
-    def set_property(self, name: str, value: Value) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs."""
         before = dict(self.__dict__)
         super().set_property(name, value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -144,7 +144,7 @@ class SearchAndRescue(Sensor):
 
     # -- victims ---------------------------------------------------------------------------
 
-    def _is_in(self, cone: Cone, victim: Any) -> bool:
+    def _is_in(self, cone: Cone, victim: Body) -> bool:
         """Whether a part of the collision shape of a victim, or else its origin, is in the cone."""
         position, rotation = self.position_3d.get_pose()
         here, rotation_rows = np.array(position), np.reshape(rotation, (3, 3))
@@ -154,13 +154,13 @@ class SearchAndRescue(Sensor):
             if part is None:
                 continue
             place, own = (np.reshape(values, shape) for values, shape in zip(part.world_pose(), _POSE, strict=True))
-            for shape in node.shapes:
+            for shape in node.shapes or ():
                 has_shape = True
                 if cone.touches(matmul(corners(shape, place, own) - here, rotation_rows)):
                     return True
         return not has_shape and cone.contains(matmul(np.array(victim.world_pose()[0]) - here, rotation_rows))
 
-    def _victims(self) -> list[tuple[float, Any]]:
+    def _victims(self) -> list[tuple[float, Body]]:
         """Return object and distance between the origins of each victim in the cone, the nearest first."""
         own, cone = self.robot_parent.bge_object, Cone(0.5 * math.radians(self._angle), self._distance)
         here = self.position_3d.get_pose()[0]
@@ -186,7 +186,7 @@ class SearchAndRescue(Sensor):
             }
         self.local_data["victim_dict"] = visible
 
-    def _nearest(self) -> tuple[float, Any]:
+    def _nearest(self) -> tuple[float, Body]:
         self.update_pose()
         victims = self._victims()
         if not victims:
@@ -238,7 +238,7 @@ class SearchAndRescue(Sensor):
         self._patient = None
         super().interrupt()
 
-    def _go_on(self, victims: list[tuple[float, Any]]) -> None:
+    def _go_on(self, victims: list[tuple[float, Body]]) -> None:
         patient = next((item for item in victims if item[1].name == self._patient), None)
         if patient is None or patient[0] > self._heal_range:
             name, self._patient = self._patient, None
@@ -261,6 +261,6 @@ def _numbers(text: object) -> list[int]:
     return [int(word) for word in map(str.strip, words) if word.lstrip("+-").isdecimal()]
 
 
-def _severity(victim: Any) -> int:
+def _severity(victim: Body) -> int:
     value = victim.get(_SEVERITY, 0)
     return int(value) if isinstance(value, (int, float)) and math.isfinite(value) else 0

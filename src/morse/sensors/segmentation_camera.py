@@ -9,7 +9,6 @@ import numpy as np
 
 from morse.core.mathutils import Matrix
 from morse.core.services import service
-from morse.core.values import Value
 from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.mathutils.portable import matmul
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
@@ -144,7 +143,7 @@ class SegmentationCamera(Camera):
         return {name: number for number, name in enumerate(names, 1)}
 
     @service
-    def set_property(self, name: str, value: Value) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs; other ``class_names`` give all classes new ids."""
         super().set_property(name, value)
         if name == "class_names":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +16,11 @@ from morse.sensors.camera import Camera
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from numpy.typing import NDArray
+
     from morse.core.values import Fields
     from morse.core.world import Body
-    from morse.rendering import Picture
+    from morse.rendering import Lens, Picture
 
 #: minimum number of visible pixels of an object
 _FEWEST = 1
@@ -73,7 +75,7 @@ class SemanticCamera(Camera):
     add_kind("detections", records=_records)
 
     _picture: Picture | None = None
-    _shown: Mapping[str, Any] = MappingProxyType({})
+    _shown: Mapping[str, object] = MappingProxyType({})
     color = False
     uses = ("ids", "names")
     relative: bool
@@ -106,7 +108,7 @@ class SemanticCamera(Camera):
             descriptions = [description for description, names in self.noted if is_seen(names)]
         self.local_data["visible_objects"] = descriptions
 
-    def shown(self) -> Mapping[str, Any]:
+    def shown(self) -> Mapping[str, object]:
         """A picture in colour, which is rendered while the live view shows it, with the visible objects in boxes."""
         picture = self._picture
         if picture is None or picture.rgba is None:
@@ -122,7 +124,7 @@ class SemanticCamera(Camera):
             }
         return {**self._shown, "timestamp": self.local_data.get("timestamp", 0.0)}
 
-    def _box(self, number: int, thing: Any, picture: Picture) -> Fields | None:
+    def _box(self, number: int, thing: Body, picture: Picture) -> Fields | None:
         """The border of an object in the image, px; None if it is not in the image."""
         parts = {node.name for node in thing.node.walk()}
         mask = np.isin(picture.ids, [n for n, name in enumerate(picture.names) if name in parts])
@@ -133,7 +135,7 @@ class SemanticCamera(Camera):
         box = (columns[0], rows[0], columns[-1] + 1, rows[-1] + 1)
         return {"id": number, "name": label, "class": kind, "box": box}
 
-    def _candidates(self) -> Iterator[tuple[Any, list[str] | None]]:
+    def _candidates(self) -> Iterator[tuple[Body, list[str] | None]]:
         """The objects that may be visible, and the names of their meshes; None if no mesh has to be in the image."""
         for thing in self._things():
             if self.visibility == "pixels" and not self.noocclusion:
@@ -141,7 +143,7 @@ class SemanticCamera(Camera):
             elif self._is_in_sight(thing) and (self.noocclusion or self._is_first_on_ray(thing)):
                 yield thing, None
 
-    def _things(self) -> Iterator[Any]:
+    def _things(self) -> Iterator[Body]:
         for obj in self.context.world.objects():
             # a false property counts as missing
             if (obj.get(self.tag) or obj.get(_TYPE) == self.tag) and obj.node is not self.bge_object.node:
@@ -187,7 +189,7 @@ class SemanticCamera(Camera):
         }
 
 
-def _may_show(points: Any, lens: Any) -> bool:
+def _may_show(points: NDArray[np.float64], lens: Lens) -> bool:
     """Whether the hull of points (N, 3) in the frame of the camera may be in the image (separating plane test)."""
     x, y, z = points.T
     left, right = z * -lens.cx <= x * lens.fx, x * lens.fx <= z * (lens.width - lens.cx)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Stepping(Protocol):
     """The part of a simulation that the service needs."""
 
-    def request_steps(self, ticks: int, on_end: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
+    def request_steps(self, ticks: int, on_end: Callable[[tuple[str, object]], object]) -> Callable[[], None]:
         """Run some ticks, then pause and call ``on_end``; return a function that cancels the request."""
 
 
@@ -44,7 +44,7 @@ class ExchangeServices(AbstractObject):
     @concurrent_service(changes=False)  # commands are recorded in the journal when the actuators take them
     def exchange(
         self,
-        ended: Callable[[tuple[str, Any]], object],
+        ended: Callable[[tuple[str, object]], object],
         commands: dict[str, Fields],
         read: list[str],
         n: Steps = 1,

@@ -28,7 +28,7 @@ class Steppable(Protocol):
     def resume(self) -> None:
         """Resume the simulation."""
 
-    def request_steps(self, ticks: int, on_end: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
+    def request_steps(self, ticks: int, on_end: Callable[[tuple[str, object]], object]) -> Callable[[], None]:
         """Run some ticks, then pause and call ``on_end``; return a function that cancels the request."""
 
     def restart(self, seed: int | None) -> None:
@@ -65,7 +65,7 @@ class LockstepServices(AbstractObject):
     @concurrent_service(changes=False)
     def step(
         self,
-        ended: Callable[[tuple[str, Any]], object],
+        ended: Callable[[tuple[str, object]], object],
         n: Steps = 1,
         tell_sent: bool = False,
     ) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
@@ -115,7 +115,7 @@ class PopulationServices(AbstractObject):
         self._attempt(lambda: self._simulation.population.restart(name, seed))
 
     @staticmethod
-    def _attempt(change: Any) -> None:
+    def _attempt(change: Callable[[], object]) -> None:
         try:
             change()
         except (ValueError, TypeError, SyntaxError, OSError) as error:

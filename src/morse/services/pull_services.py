@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -75,11 +75,11 @@ class PullServices(AbstractObject):
         """Stop pulling when the simulation restarts."""
         self._grasp(None)
 
-    def get_state(self) -> list[Any]:
+    def get_state(self) -> list[object]:
         """Return the pulled object, the anchor and the target; empty if no object is pulled."""
         return [] if self._pulled is None else list(self._pulled)
 
-    def set_state(self, state: list[Any]) -> None:
+    def set_state(self, state: list[object]) -> None:
         """Restore a state that `get_state` returned.
 
         Raises:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseError, MorseRPCInvokationError
 from morse.core.services import service
 from morse.core.validation.names import check_stored_name
+
+if TYPE_CHECKING:
+    from morse.recording.recorder import Recorder
 
 LEAST = 256 << 20
 """Free bytes on the disk below which clients may not create files."""
@@ -53,7 +56,7 @@ _MOST_NAMES = 100
 class Recordable(Protocol):
     """The part of a simulation that the services need."""
 
-    def record(self, path: Path) -> Any:
+    def record(self, path: Path) -> Recorder:
         """Record the run in a file."""
 
 
@@ -63,7 +66,7 @@ class RecordingServices(AbstractObject):
     def __init__(self, simulation: Recordable) -> None:
         super().__init__()
         self._simulation = simulation
-        self._recorder: Any = None
+        self._recorder: Recorder | None = None
         #: the last number of each name
         self._numbers: dict[Path, int] = {}
 

@@ -5,27 +5,29 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
 from morse.core.limits import ColorNumbers, EulerAngles, Point, QuaternionNumbers
 from morse.core.mathutils import Quaternion
+from morse.core.object import Object
 from morse.core.reports import log
 from morse.core.reports.quoting import nearest, quoted, short
 from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
 from morse.core.services import service
-from morse.core.values import JsonObject
+from morse.core.values import JsonObject, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from morse.core.context import Context
-    from morse.core.object import Object
-    from morse.core.values import Value
     from morse.core.world import Body
     from morse.scene import ComponentDeclaration, Image
+
+
+_T = TypeVar("_T")
 
 
 def details(context: Context) -> JsonObject:
@@ -78,12 +80,12 @@ def set_color(context: Context, obj: Body, color: Sequence[float]) -> None:
         ValueError: the colour is not valid, or the object has neither surface nor lamp.
     """
     check(obj, "color", color)
-    numbers = [float(number) for number in color]
+    red, green, blue, opacity = [*map(float, color), 1.0][:4]
     for part in _parts(obj, "color"):
-        if part.node.mesh is None:
-            part.node.light = replace(part.node.light, color=tuple(numbers[:3]))
+        if part.node.mesh is None and part.node.light is not None:
+            part.node.light = replace(part.node.light, color=(red, green, blue))
         else:
-            part.node.color = (*numbers[:3], numbers[3] if len(numbers) == 4 else 1.0)
+            part.node.color = (red, green, blue, opacity)
         context.world.appearance_changed(part)
 
 
@@ -107,8 +109,9 @@ def set_light(context: Context, obj: Body, energy: float) -> None:
     """
     check(obj, "light", energy)
     for part in _parts(obj, "light"):
-        part.node.light = replace(part.node.light, energy=float(energy))
-        context.world.appearance_changed(part)
+        if part.node.light is not None:
+            part.node.light = replace(part.node.light, energy=float(energy))
+            context.world.appearance_changed(part)
 
 
 def check(obj: Body, what: str, value: Value) -> None:
@@ -126,7 +129,7 @@ def check(obj: Body, what: str, value: Value) -> None:
         raise ValueError(f"'{obj.name}' has {expected}: it has no {what} to set")
 
 
-def _parts(obj: Body, what: str) -> list[Any]:
+def _parts(obj: Body, what: str) -> list[Body]:
     everything = [obj, *obj.childrenRecursive]
     lamps = [part for part in everything if part.node.light is not None]
     surfaces = [part for part in everything if part.node.mesh is not None]
@@ -194,14 +197,12 @@ class Supervision(AbstractObject):
         """Deactivate a component, until it is activated again."""
         self._component(component_name).active = False
 
-    def _component(self, name: str) -> Any:
+    def _component(self, name: str) -> Object:
         everything = {**self.context.components, **self.context.robots}
-        try:
-            return everything[name]
-        except (KeyError, TypeError):
-            raise MorseRPCInvokationError(
-                f"Component {short(name)} unknown{nearest(str(name), list(everything))}"
-            ) from None
+        component = everything.get(name) if isinstance(name, str) else None
+        if not isinstance(component, Object):
+            raise MorseRPCInvokationError(f"Component {short(name)} unknown{nearest(str(name), list(everything))}")
+        return component
 
     @service
     def measure(self, sensors: list[str] | None = None, again: bool = True) -> None:
@@ -256,7 +257,7 @@ class Supervision(AbstractObject):
         """Return the tree of objects: name to children, position (m) and quaternion (x, y, z, w)."""
         return self._tree(obj for obj in self.context.world.objects() if obj.parent is None)
 
-    def _tree(self, objects: Iterable[Any]) -> JsonObject:
+    def _tree(self, objects: Iterable[Body]) -> JsonObject:
         tree: JsonObject = {}
         for obj in objects:
             w, x, y, z = obj.worldOrientation.to_quaternion()
@@ -339,7 +340,7 @@ class Supervision(AbstractObject):
         """
         self._vary(partial(set_light, self.context), object_name, energy)
 
-    def _vary(self, change: Callable[[Any, Any], None], name: str, value: object) -> None:
+    def _vary(self, change: Callable[[Body, _T], None], name: str, value: _T) -> None:
         try:
             change(self._object(name), value)
         except ValueError as error:
@@ -367,7 +368,7 @@ class Supervision(AbstractObject):
         for sensor in sensors:
             sensor.placed()
 
-    def _object(self, name: str) -> Any:
+    def _object(self, name: str) -> Body:
         objects = self.context.world.objects_by_name
         try:
             return objects[name]

@@ -48,7 +48,7 @@ class TimeServices(AbstractObject):
         self._set_speed = set_speed
         #: heap of alarms by time and number; a cancelled alarm stays until its time, or until there are too many
         self._order = self.waiting = list[tuple[float, int]]()
-        self._alarms: dict[int, Callable[[Any], None]] = {}
+        self._alarms: dict[int, Callable[[tuple[str, object]], object]] = {}
         self._number = 0
 
     def name(self) -> str:
@@ -81,7 +81,7 @@ class TimeServices(AbstractObject):
         return True
 
     @concurrent_service(changes=False)
-    def sleep(self, ended: Callable[[Any], None], seconds: Duration) -> Any:
+    def sleep(self, ended: Callable[[tuple[str, object]], object], seconds: Duration) -> Any:
         """Sleep for ``seconds`` of simulated time, then end; any number of clients may sleep at the same time."""
         if len(self._alarms) >= _MAX_ALARMS:
             raise MorseRPCInvokationError(f"{_MAX_ALARMS} clients are already sleeping, which is the maximum")

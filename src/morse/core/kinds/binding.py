@@ -350,7 +350,7 @@ def fields_of(component: Object) -> dict[str, DataField]:
     for changes in [component.field_changes, *(getattr(modifier, "changes", {}) for modifier in modifiers)]:
         for name, change in changes.items():
             if name in fields:
-                own_changes = {key: value for key, value in change.items() if key in _CHANGEABLE}
+                own_changes: Fields = {key: value for key, value in change.items() if key in _CHANGEABLE}
                 fields[name] = fields[name]._replace(**own_changes)
     return fields
 

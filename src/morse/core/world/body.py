@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from morse.core.values import Properties, Value
-    from morse.mathutils import Matrix, Vector
+    from morse.mathutils import Matrix, Quaternion, Vector
     from morse.scene import Control, Node
 
 
@@ -32,7 +32,7 @@ class BodyNames(Protocol):
         """3x3 rotation from its axes to those of the world."""
 
     @worldOrientation.setter
-    def worldOrientation(self, value: Sequence[Sequence[float]]) -> None:  # noqa: N802
+    def worldOrientation(self, value: Sequence[Sequence[float]] | Sequence[float] | Quaternion) -> None:  # noqa: N802
         ...
 
     @property
@@ -437,6 +437,9 @@ class Joints(Protocol):
     @property
     def file_motors(self) -> Sequence[FileMotor]:
         """The actuators of the file of the armature that are no motors of single joints."""
+
+    def measured(self, names: Sequence[str]) -> tuple[list[float], list[float], list[float]]:
+        """Return the positions, velocities and efforts of joints."""
 
     def pull(self, commands: Mapping[str, float]) -> None:
         """Set the commands of actuators of the file: name to command."""

@@ -16,7 +16,7 @@ from morse.plugins.legacy.blender import Facade, Ignored
 NAME = "bpy"
 #: other modules of Blender; all their content is ignored
 COMPANIONS = ("aud", "bgl", "blf", "bmesh", "bpy_extras")
-_PARTS = {"context": "bpy_data.Context", "data": "bpy_data.Data", "ops": "bpy_operators.Operators"}
+_PARTS = {"context": "bpy_operators.Context", "data": "bpy_operators.Data", "ops": "bpy_operators.Operators"}
 
 
 class App(Facade):
