@@ -63,11 +63,11 @@ class AsyncMorse:
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *dir(self._morse)]
 
-    def call(self, component: str, service: str, *args: Any) -> asyncio.Future[Any]:
+    def call(self, component: str, service: str, *args: object) -> asyncio.Future[Any]:
         """Call a service without waiting; to await the future waits, and to cancel it aborts the service."""
         return self._future(self._morse.call(component, service, *args))
 
-    async def rpc(self, component: str, service: str, *args: Any) -> Any:
+    async def rpc(self, component: str, service: str, *args: object) -> Any:
         """Call a service and wait for its result; see `Morse.rpc`."""
         return await self.call(component, service, *args)
 
@@ -97,7 +97,7 @@ class AsyncMorse:
         answer = await self.run(lambda: self._morse.exchange(given, [_plain(part) for part in parts], n))
         return {part: answer[_plain(part)] for part in parts}
 
-    async def run(self, function: Callable[[], Any]) -> Any:
+    async def run(self, function: Callable[[], object]) -> Any:
         """Return the value of a function that waits; it runs in a thread."""
         return await self._loop.run_in_executor(self._pool, function)
 
@@ -113,7 +113,7 @@ class AsyncMorse:
             else:
                 future.set_exception(error)
 
-        def abort(ended: asyncio.Future[Any]) -> None:
+        def abort(ended: asyncio.Future[object]) -> None:
             if ended.cancelled():
                 answer.abandoned = True
                 with contextlib.suppress(ConnectionError):
@@ -124,7 +124,7 @@ class AsyncMorse:
         super(MorseFuture, answer).add_done_callback(lambda _: self._soon(finish))
         return future
 
-    def _soon(self, function: Callable[..., object], *args: Any) -> None:
+    def _soon(self, function: Callable[..., object], *args: object) -> None:
         with contextlib.suppress(RuntimeError):  # the loop has ended
             self._loop.call_soon_threadsafe(function, *args)
 
@@ -167,7 +167,7 @@ class AsyncComponent:
         if name not in component._services:
             return value
 
-        def call(*args: Any) -> asyncio.Future[Any]:
+        def call(*args: object) -> asyncio.Future[Any]:
             return self._simu._future(value(*args))
 
         call.__name__, call.__doc__ = name, value.__doc__
@@ -191,11 +191,11 @@ class AsyncComponent:
         stream, loop = await self._messages(), self._simu._loop
         arrival: asyncio.Future[Any] = loop.create_future()
 
-        def arrive(message: Any) -> None:
+        def arrive(message: object) -> None:
             if not arrival.done():
                 arrival.set_result(message)
 
-        def take(message: Any) -> None:
+        def take(message: object) -> None:
             self._simu._soon(arrive, message)
 
         stream.subscribe(take)
@@ -217,20 +217,20 @@ class AsyncComponent:
         """The most recent message of the sensor; see `Messages.last`."""
         return (await self._messages()).last(n)
 
-    def subscribe(self, callback: Callable[[Any], Any], latest: bool = False) -> None:
+    def subscribe(self, callback: Callable[[Any], object], latest: bool = False) -> None:
         """Call a function, or a coroutine function, in the loop with every message of the sensor."""
         simu = self._simu
 
         def fail(error: BaseException) -> None:
             self._failures.add(take, error)
 
-        def finish(task: asyncio.Task[Any]) -> None:
+        def finish(task: asyncio.Task[object]) -> None:
             del self._callbacks[task]
             error = None if task.cancelled() else task.exception()
             if error is not None:
                 fail(error)
 
-        def run(message: Any) -> None:
+        def run(message: object) -> None:
             try:
                 result = callback(message)
             except Exception as error:
@@ -241,13 +241,13 @@ class AsyncComponent:
                 self._callbacks[task] = task
                 task.add_done_callback(finish)
 
-        def take(message: Any) -> None:
+        def take(message: object) -> None:
             simu._soon(run, message)
 
         self._component.subscribe(take, latest)
         self._callbacks[callback] = take
 
-    def unsubscribe(self, callback: Callable[[Any], Any]) -> None:
+    def unsubscribe(self, callback: Callable[[Any], object]) -> None:
         """Undo `subscribe`.
 
         Raises:
@@ -271,12 +271,12 @@ class AsyncComponent:
         stream = await self._messages()
         queue: asyncio.Queue[Any] = asyncio.Queue(_MOST_WAITING)
 
-        def arrive(message: Any) -> None:
+        def arrive(message: object) -> None:
             if queue.full():
                 queue.get_nowait()
             queue.put_nowait(message)
 
-        def take(message: Any) -> None:
+        def take(message: object) -> None:
             self._simu._soon(arrive, message)
 
         stream.subscribe(take)
@@ -291,6 +291,6 @@ class AsyncComponent:
                 stream.unsubscribe(take)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     """The component of the synchronous client; other values as they are."""
     return value._component if isinstance(value, AsyncComponent) else value

@@ -102,7 +102,7 @@ class BinaryConnection(Channel):
             self._count += 1
             self._news.notify_all()
 
-    def _handle_notice(self, notice: Any) -> None:
+    def _handle_notice(self, notice: object) -> None:
         match notice:
             case {"subscribed": str(name), "stream": int(number)} if name in self._streams:
                 self._numbers[number] = self._streams[name]

@@ -122,7 +122,7 @@ class Component:
     def _method(self, name: str) -> Callable[..., MorseFuture]:
         service = self._services[name]
 
-        def call(*args: Any) -> MorseFuture:
+        def call(*args: object) -> MorseFuture:
             return self._morse.call(self.fqn, service, *args)
 
         # arguments by keyword cannot be sent; the error of Python then names the service

@@ -31,7 +31,7 @@ class MorseExecutor:
         """Run ``function(argument)`` in a worker thread; exceptions are logged."""
         self._pool.submit(self._run, function, argument)
 
-    def _run(self, function: Callable[[Any], object], argument: Any) -> None:
+    def _run(self, function: Callable[[object], object], argument: object) -> None:
         self._workers.here = True
         try:
             function(argument)
@@ -130,16 +130,16 @@ class MorseFuture(Future[Any]):
     def __ne__(self, other: object) -> bool:
         return bool(self.result() != _value(other))
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: object) -> bool:
         return bool(self.result() < _value(other))
 
-    def __le__(self, other: Any) -> bool:
+    def __le__(self, other: object) -> bool:
         return bool(self.result() <= _value(other))
 
-    def __gt__(self, other: Any) -> bool:
+    def __gt__(self, other: object) -> bool:
         return bool(self.result() > _value(other))
 
-    def __ge__(self, other: Any) -> bool:
+    def __ge__(self, other: object) -> bool:
         return bool(self.result() >= _value(other))
 
     # futures are kept in sets and dictionaries, so the hash is that of the identity, not of the result
@@ -152,5 +152,5 @@ class MorseFuture(Future[Any]):
         return str(self.result())
 
 
-def _value(other: Any) -> Any:
+def _value(other: object) -> Any:
     return other.result() if isinstance(other, MorseFuture) else other

@@ -166,7 +166,7 @@ class Morse:
 
     # services -------------------------------------------------------------------------------
 
-    def call(self, component: str, service: str, *args: Any) -> MorseFuture:
+    def call(self, component: str, service: str, *args: object) -> MorseFuture:
         """Call a service without waiting; the future contains the result.
 
         Raises:
@@ -179,7 +179,7 @@ class Morse:
         if self._closed and not self._services.is_up():
             raise ConnectionError("this connection to the simulation has been closed: create a new Morse()")
 
-    def rpc(self, component: str, service: str, *args: Any) -> Any:
+    def rpc(self, component: str, service: str, *args: object) -> Any:
         """Call a service and wait for its result without a timeout.
 
         Raises:
@@ -190,7 +190,7 @@ class Morse:
         self._check_services()
         return self._services.ask(component, service, args)
 
-    def rpc_t(self, timeout: float | None, component: str, service: str, *args: Any) -> Any:
+    def rpc_t(self, timeout: float | None, component: str, service: str, *args: object) -> Any:
         """Call a service and wait at most ``timeout`` seconds for its result.
 
         Raises:
@@ -259,7 +259,7 @@ class Morse:
 
     def exchange(
         self,
-        commands: Mapping[_C, Mapping[str, Any]] | None = None,
+        commands: Mapping[_C, Mapping[str, object]] | None = None,
         read: Iterable[_C] = (),
         n: int = 1,
     ) -> dict[_C, Any]:

@@ -50,7 +50,7 @@ def parse_response(line: str) -> Response:
     return Response(int(parts[0]), parts[1], value)
 
 
-def format_request(request: int, component: str, service: str, arguments: Sequence[Any]) -> str:
+def format_request(request: int, component: str, service: str, arguments: Sequence[object]) -> str:
     """Return the line of a service call, without the line end.
 
     Raises:
@@ -73,7 +73,7 @@ class _Answer:
         self._event: threading.Event | None = None
         self._future: MorseFuture | None = None
 
-    def set_result(self, value: Any) -> None:
+    def set_result(self, value: object) -> None:
         """Called when the call has succeeded."""
         self.value = value
         self._end()
@@ -117,7 +117,7 @@ class ServiceConnection(StreamB):
         self._has_complained = False
         super().__init__(host, port, 1, sock, poller=poller)
 
-    def request(self, component: str, service: str, arguments: Sequence[Any]) -> MorseFuture:
+    def request(self, component: str, service: str, arguments: Sequence[object]) -> MorseFuture:
         """Call a service.
 
         Raises:
@@ -136,7 +136,7 @@ class ServiceConnection(StreamB):
             raise
         return future
 
-    def ask(self, component: str, service: str, arguments: Sequence[Any]) -> Any:
+    def ask(self, component: str, service: str, arguments: Sequence[object]) -> Any:
         """Call a service and wait for its result, like `request`, but without the cost of a future.
 
         Raises:

@@ -125,7 +125,7 @@ class StreamJSON(StreamB):
             raise ValueError(f"this message is not JSON ({error}): {msg[:80]!r}") from None
 
 
-def to_json(value: Any) -> str:
+def to_json(value: object) -> str:
     """Return a value as one line of JSON.
 
     Raises:
@@ -134,7 +134,7 @@ def to_json(value: Any) -> str:
     return _encode(value)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     for conversion in ("tolist", "_asdict"):
         if hasattr(value, conversion):
             return getattr(value, conversion)()

@@ -95,7 +95,7 @@ def _fields(component: Component) -> dict[str, Any]:
     return {}
 
 
-def _type_of(value: Any, depth: int = 0) -> str:
+def _type_of(value: object, depth: int = 0) -> str:
     if isinstance(value, list):
         kinds = {_type_of(item, depth + 1) for item in value[:100]} if depth < _DEEPEST else set()
         return f"list[{kinds.pop() if len(kinds) == 1 else 'Any'}]"

@@ -6,8 +6,11 @@ import math
 
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, LENGTH, TORQUE
-from morse.core.values import Fields
 from morse.helpers.components import add_data, add_kind, add_property
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.core.values import Fields
 
 #: those of real rotors are below 1e-2
 _FACTOR: Fields = {"low": 0.0, "high": 1.0}

@@ -91,7 +91,7 @@ class _Whole(ABCMeta):
 
     if not TYPE_CHECKING:  # type checkers read the constructors
 
-        def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        def __call__(cls, *args: object, **kwargs: object) -> Any:
             before = workspace.current().mark()
             try:
                 return super().__call__(*args, **kwargs)
@@ -315,7 +315,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part, metaclass=_Whole):
         """Return the value of a property, or None if it is not set."""
         return self.scene_node.properties.get(name)
 
-    def frequency(self, frequency: float | None = None, **earlier: Any) -> None:
+    def frequency(self, frequency: float | None = None, **earlier: object) -> None:
         """Set the frequency, Hz (per simulated second); None leaves it as it is.
 
         Args:

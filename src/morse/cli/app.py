@@ -73,7 +73,7 @@ def _expected(parameter: Any) -> str:
     return what if low is None else f"{what} of at least {low:g}"
 
 
-def kind_of(parameter: Any) -> str:
+def kind_of(parameter: object) -> str:
     """The name of the type of a parameter; empty if this version of Typer does not tell it."""
     bare_type = getattr(parameter, "bare_type", None)
     return str(bare_type()) if callable(bare_type) else ""
@@ -138,11 +138,11 @@ def _callable(found: object) -> Callable[..., Any]:
     return found
 
 
-def _contained(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+def _contained(name: str, function: Callable[..., object]) -> Callable[..., Any]:
     """The function of a plug-in, whose errors are messages."""
 
     @functools.wraps(function)
-    def call(*arguments: Any, **options: Any) -> Any:
+    def call(*arguments: object, **options: object) -> Any:
         try:
             return function(*arguments, **options)
         except MorseError as error:

@@ -180,6 +180,6 @@ def plain_result(result: object) -> Value:
     return value if is_small else None
 
 
-def is_same_result(one: Value, other: Value) -> bool:
+def is_same_result(one: object, other: object) -> bool:
     """Whether two results of `plain_result` are equal to the bit."""
     return _encode(one) == _encode(other)

@@ -302,7 +302,7 @@ class Object(Requesting, AbstractObject):
         return RAY * sum(len(request) for request in self.requests if isinstance(request, Sized))
 
     @service
-    def set_property(self, name: str, value: Value) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs."""
         from morse.core.validation import checked_property
 

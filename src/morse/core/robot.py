@@ -10,7 +10,6 @@ from morse.core.object import Object
 from morse.core.robot_parts import link_parts
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
-from morse.core.values import Value
 from morse.helpers.chain import Chain
 from morse.helpers.transformation import FollowingPose
 
@@ -83,7 +82,7 @@ class Robot(Object):
         )
 
     @service
-    def set_property(self, name: str, value: Value) -> None:
+    def set_property(self, name: str, value: object) -> None:
         """Change a property while the simulation runs."""
         super().set_property(name, value)
         for component in self.context.components.values():

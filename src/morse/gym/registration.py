@@ -35,7 +35,7 @@ def register(name: str, task: type[Task] | str, **options: object) -> None:
     )
 
 
-def _make(create: Callable[..., Any], task: type[Task] | str, **options: Any) -> Any:
+def _make(create: Callable[..., object], task: type[Task] | str, **options: object) -> Any:
     kind: Any = task
     if isinstance(task, str):
         from importlib import import_module

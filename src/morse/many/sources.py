@@ -164,7 +164,7 @@ class _Code:
             self._seen[id(value)] = len(self._seen), value
             self._add_object(value)
 
-    def _add_object(self, value: Any) -> None:
+    def _add_object(self, value: object) -> None:
         kind = type(value)
         self._note(kind.__qualname__)
         if isinstance(value, Mapping):

@@ -212,7 +212,7 @@ class Written(NamedTuple):
 
 
 class _Sink(Protocol):
-    def write(self, rows: list[list[Value]]) -> None: ...
+    def write(self, rows: list[list[object]]) -> None: ...
     def close(self) -> None: ...
 
 
@@ -224,7 +224,7 @@ class _Csv:
         self._writer = csv.writer(self._file)
         self._writer.writerow([spreadsheet_cell(name) for name, _ in table.columns])
 
-    def write(self, rows: list[list[Value]]) -> None:
+    def write(self, rows: list[list[object]]) -> None:
         self._writer.writerows([[_cell(value) for value in row] for row in rows])
 
     def close(self) -> None:
@@ -267,10 +267,10 @@ class _Parquet:
         types = {"json": "string", "float32": "float32", "float64": "float64"}
         return getattr(self._arrow, {"bool": "bool_"}.get(kind, types.get(kind, kind)))()
 
-    def write(self, rows: list[list[Value]]) -> None:
+    def write(self, rows: list[list[object]]) -> None:
         columns = []
         for (_, kind), values in zip(self._columns, zip(*rows, strict=True), strict=True):
-            column: list[Value] = list(values)
+            column: list[object] = list(values)
             if kind == "uint8[]":
                 column = [bytes(value) for value in values]
             elif kind == "json":

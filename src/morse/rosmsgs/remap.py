@@ -106,7 +106,7 @@ def _of_script(entries: Mapping[str, object]) -> Iterator[tuple[str, object, str
 
 def _read(path: Path) -> Iterator[tuple[str, object, str]]:
     """Iterate over topic, new name or mapping of entries with their lines, and line."""
-    topic: tuple[str, Any, str] | None = None
+    topic: tuple[str, object, str] | None = None
     depth: int | None = None
     try:
         lines = read_regular(path).decode("utf-8").splitlines()

@@ -44,7 +44,7 @@ class Budget:
         self._searches = MOST_SEARCHES
         self._known: dict[tuple[Hashable, ...], Any] = {}
 
-    def once(self, key: tuple[Hashable, ...], make: Callable[[], Any]) -> Any:
+    def once(self, key: tuple[Hashable, ...], make: Callable[[], object]) -> Any:
         """The result of a function, which is called once for each key."""
         if key not in self._known:
             self._known[key] = make()

@@ -399,7 +399,7 @@ class WorkerPool(Generic[W]):
             del call
         self._dismiss(worker)
 
-    def _outcome(self, worker: W | None, job: Callable[[W], Any]) -> tuple[W | None, _Outcome]:
+    def _outcome(self, worker: W | None, job: Callable[[W], object]) -> tuple[W | None, _Outcome]:
         problem = WorkerError()
         for _ in range(self._attempts):
             try:
@@ -473,7 +473,7 @@ def start_copy(
     return process
 
 
-def _copied(connection: Connection, server: Callable[..., Server], arguments: tuple[Any, ...]) -> None:
+def _copied(connection: Connection, server: Callable[..., Server], arguments: tuple[object, ...]) -> None:
     os.environ.update(ONE_THREAD)
     serve(connection, lambda: server(*arguments))
 

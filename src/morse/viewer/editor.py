@@ -146,7 +146,7 @@ class Editor:
         self._attempt(event.request, lambda: self._save(write=event.write))
 
     def _attempt(self, request: int, action: Callable[[], object]) -> None:
-        values: list[Any] = []
+        values: list[object] = []
         if self._services.attempt(request, lambda: values.append(action())):
             self._server.send(Answer(request, True, values[0]))
 

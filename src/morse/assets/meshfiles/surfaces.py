@@ -89,7 +89,7 @@ class Surfaces:
             self._materials[id(material)] = self._of(name, material, visual)
         return self._materials[id(material)]
 
-    def _of(self, name: str, material: Any, visual: Any) -> Material:
+    def _of(self, name: str, material: Any, visual: object) -> Material:
         own = str(getattr(material, "name", None) or name)
         if hasattr(material, "baseColorFactor"):
             color = _numbers(material.baseColorFactor, 4, (255, 255, 255, 255)) / 255.0

@@ -115,7 +115,7 @@ def limit(model: Path, packages: Sequence[Path], variables: Mapping[str, str]) -
     sys.addaudithook(_watch)
 
 
-def evaluate(expression: str, symbols: dict[str, Any], names: Mapping[str, object] | None = None) -> object:
+def evaluate(expression: str, symbols: dict[str, object], names: Mapping[str, object] | None = None) -> object:
     """Return the value of an expression, as `eval` does, without a way to the rest of the process.
 
     Raises:
@@ -168,10 +168,10 @@ def _member(value: object, name: str) -> object:
 class _Format(string.Formatter):
     """``str.format`` without members and items of the values: they would lead to all modules."""
 
-    def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> tuple[Any, Any]:
+    def get_field(self, field_name: str, args: Sequence[object], kwargs: Mapping[str, object]) -> tuple[Any, Any]:
         if not field_name.isalnum() and not field_name.isidentifier():
             raise _refused(field_name)
-        field: tuple[Any, Any] = super().get_field(field_name, args, kwargs)
+        field: tuple[object, object] = super().get_field(field_name, args, kwargs)
         return field
 
 

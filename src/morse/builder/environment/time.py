@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import HIGHEST_FREQUENCY
 from morse.builder.assembly.description import EnvironmentDescription
@@ -92,7 +92,7 @@ class TimeMethods(EnvironmentDescription):
         base_frequency: float = 60.0,
         logic_step_max: int = 20,
         physics_step_max: int = 20,
-        **earlier: Any,
+        **earlier: object,
     ) -> None:
         """Set the number of ticks per simulated second, independent of the frequencies of the components.
 

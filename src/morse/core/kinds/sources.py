@@ -204,7 +204,7 @@ class Stack(Source):
         data = component.local_data
         return [0.0 if name is None else data[name] * a + b for name, (a, b) in self._parts]
 
-    def rows(self, columns: Mapping[str, Value], component: DataOwner) -> Value:
+    def rows(self, columns: Mapping[str, object], component: DataOwner) -> Value:
         """The columns side by side."""
         import numpy as np
 

@@ -148,7 +148,7 @@ def _estimate(value: Value) -> int:
     return size * value.nbytes if type(value) is np.ndarray else size
 
 
-def _excess_alone(value: Value) -> str:
+def _excess_alone(value: object) -> str:
     if is_a(value, str):
         return _over(str.__len__(value), MOST_CHARACTERS, "a text of {:,} characters")
     if is_a(value, (bytes, bytearray)):
@@ -175,7 +175,7 @@ def _length(numbers: range) -> int:
     return max(0, -((numbers.start - numbers.stop) // numbers.step))
 
 
-def _items_of(value: Value) -> object:
+def _items_of(value: object) -> object:
     """The items of a container, those of a dictionary without its keys; None for another object."""
     if is_a(value, dict):
         return list(dict.values(value))

@@ -67,7 +67,7 @@ class Arguments:
         except (TypeError, ValueError):
             return
         hints = hints_of(callback)
-        rest: Callable[[Value], object] | None = None
+        rest: Callable[[object], object] | None = None
         for parameter in self._signature.parameters.values():
             check = check_of(hints.get(parameter.name))
             if parameter.kind is parameter.VAR_POSITIONAL:
@@ -81,7 +81,7 @@ class Arguments:
                 self._most = -1.0  # the service does not accept a list of arguments
         self._rest = rest
 
-    def check(self, arguments: list[Value]) -> None:
+    def check(self, arguments: list[object]) -> None:
         """Raise an error if a call with these arguments is not valid.
 
         Raises:

@@ -170,7 +170,7 @@ class ClientCommands:
         """Whether messages have to wait, because earlier ones took more than their share of the time."""
         return self._sender.until is not None and self._sender.rests
 
-    def take(self, decode: Callable[[Value], object], message: object) -> bool:
+    def take(self, decode: Callable[[object], object], message: object) -> bool:
         """Write the fields of a message into the data of the component; whether that was possible.
 
         If the simulation is not paced by the wall clock, its clients wait for it, and messages never wait.
@@ -187,7 +187,7 @@ class ClientCommands:
         self._sender.rest_if_due()
         return command
 
-    def _take(self, decode: Callable[[Value], object], message: object) -> bool:
+    def _take(self, decode: Callable[[object], object], message: object) -> bool:
         client = getattr(message, "client", "") if isinstance(message, bytes) else ""
         try:
             fields = decode(message)

@@ -93,7 +93,7 @@ def shape_text(shape: tuple[int | None, ...]) -> str:
 def array_check(
     shape: tuple[int | None, ...],
     dtype: str,
-    item: Callable[[Value], object],
+    item: Callable[[object], object],
     in_range: Callable[[ndarray], bool],
     range_text: str,
 ) -> Callable[[Value], object]:
@@ -138,7 +138,7 @@ def _listed(value: object, expectation: str) -> list[object]:
     return list(value)
 
 
-def _nested(value: object, shape: tuple[int | None, ...], item: Callable[[Value], object]) -> list[Value]:
+def _nested(value: object, shape: tuple[int | None, ...], item: Callable[[object], object]) -> list[Value]:
     if not isinstance(value, (list, tuple)):
         value = _listed(value, "")
     if shape[0] is not None and len(value) != shape[0]:
@@ -168,7 +168,7 @@ def _as_array(value: list[object], shape: tuple[int | None, ...], dtype: str, ex
 
 
 def list_check(
-    least: int, item: Callable[[Value], object], allow: frozenset[str], range_text: str
+    least: int, item: Callable[[object], object], allow: frozenset[str], range_text: str
 ) -> Callable[[Value], list[object]]:
     """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
     expectation = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"

@@ -31,7 +31,7 @@ class Parameters:
     """
 
     def __init__(
-        self, context: Context, components: Callable[[], Iterable[str]], change: Callable[[str, list[Any]], object]
+        self, context: Context, components: Callable[[], Iterable[str]], change: Callable[[str, list[object]], object]
     ) -> None:
         self._properties, self._change = PropertyTable(context.component, components), change
 

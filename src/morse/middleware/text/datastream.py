@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from abc import abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
@@ -139,7 +139,7 @@ class Publisher(TextStream):
         return "\n".join(lines) + "\n"
 
     def _time(self) -> float:
-        time: Any = self.data.get("timestamp")
+        time: object = self.data.get("timestamp")
         return float(time) if isinstance(time, (int, float)) else self.component_instance.clock.time
 
 

@@ -33,7 +33,7 @@ class PlaneBuilder:
         self._tops: list[tuple[float, int, Any, Any, NDArray[np.float64], Callable[[Any], None]]] = []
         self.pairs: list[tuple[Any, Any]] = []
 
-    def note(self, body: Body, geom: Any, rotation: NDArray[np.float64], set_surface: Callable[[Any], None]) -> None:
+    def note(self, body: Body, geom: Any, rotation: NDArray[np.float64], set_surface: Callable[[object], None]) -> None:
         """Record a shape of a static body.
 
         Args:

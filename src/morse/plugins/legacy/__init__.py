@@ -43,7 +43,7 @@ class _Legacy(Compatibility):
 
         return set_attribute(owner, name, value)
 
-    def call(self, owner: object, method: str, arguments: dict[str, Any]) -> dict[str, Any]:
+    def call(self, owner: object, method: str, arguments: dict[str, object]) -> dict[str, Any]:
         from morse.plugins.legacy.earlier import call
 
         return call(owner, method, arguments)

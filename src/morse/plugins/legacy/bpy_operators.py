@@ -432,7 +432,7 @@ class WindowOperators(Facade):
     _path = "bpy.ops.wm"
 
     def append(
-        self, filepath: str = "", directory: str = "", filename: str = "", files: Any = (), **_: Any
+        self, filepath: str = "", directory: str = "", filename: str = "", files: Any = (), **_: object
     ) -> set[str]:
         """Add objects of a file of Blender: ``directory='room.blend/Object/', filename='Table'``."""
         folder = directory or str(Path(filepath).parent)

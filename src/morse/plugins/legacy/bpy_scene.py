@@ -153,7 +153,7 @@ class Objects(NamedList[Any]):
         """Remove an object from the scene."""
         bpymorse.delete(obj)
 
-    def remove(self, obj: Any, *_: Any, **__: Any) -> None:
+    def remove(self, obj: Any, *_: object, **__: object) -> None:
         """Remove an object from the scene."""
         bpymorse.delete(obj)
 

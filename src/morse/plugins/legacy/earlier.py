@@ -72,7 +72,7 @@ Arm = _Maker("Arm", (actuators,))
 Sensor = _Maker("Sensor", (sensors,))
 
 
-def call(owner: object, method: str, arguments: dict[str, Any]) -> dict[str, Any]:
+def call(owner: object, method: str, arguments: dict[str, object]) -> dict[str, Any]:
     """The arguments of a call in the form of today."""
     if isinstance(owner, ComponentCreator) and method == "__init__":
         return _creator(arguments)
@@ -84,7 +84,7 @@ def call(owner: object, method: str, arguments: dict[str, Any]) -> dict[str, Any
     return arguments
 
 
-def _creator(arguments: dict[str, Any]) -> dict[str, Any]:
+def _creator(arguments: dict[str, object]) -> dict[str, Any]:
     """``SensorCreator(name, 'class.path', 'model')``."""
     path = arguments["action"]
     if not isinstance(path, str) or "." not in path:
@@ -104,7 +104,7 @@ def _double(text: str) -> str:
     return text.replace("'", '"')
 
 
-def _frequency(arguments: dict[str, Any]) -> dict[str, Any]:
+def _frequency(arguments: dict[str, object]) -> dict[str, Any]:
     """``frequency(delay=n)``: n ticks, of 60 in a second, between two actions."""
     delay = arguments.pop("delay", None)
     if delay is not None:

@@ -61,7 +61,7 @@ class _Materials(list[Any]):
         super().clear()
         self._node.materials.clear()
 
-    def pop(self, index: Any = -1, *_: Any) -> Any:
+    def pop(self, index: Any = -1, *_: object) -> Any:
         material = super().pop(index)
         self._store()
         return material

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.core.values import Value
     from morse.rosmsgs.topics.backend import RosClass, RosObject
 
 # scripts of 1.4 import the decorators from here
@@ -171,7 +170,7 @@ class RosRequestManager(AnsweredRequests):
             action.act(self._context.clock)
 
     def _begin(self, component: str, service: str) -> Callable[..., uuid.UUID | None]:
-        def begin(arguments: list[Value], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+        def begin(arguments: list[object], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
             return self.call(component, service, arguments, on_end)
 
         return begin

@@ -184,7 +184,7 @@ class Port:
     """
 
     def __init__(
-        self, name: str, names: NameServer, take: Callable[[list[Any], int], object] | None, arrivals: Arrivals
+        self, name: str, names: NameServer, take: Callable[[list[object], int], object] | None, arrivals: Arrivals
     ) -> None:
         self.name, self._names, self._take = name, names, take
         self._arrivals = arrivals

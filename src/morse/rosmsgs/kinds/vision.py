@@ -280,7 +280,7 @@ class VisionKinds(TopicTable):
         return [Inlet("sensor_msgs/msg/Image", _from_image)]
 
 
-def _history(camera: Any, encoding: str) -> Qos:
+def _history(camera: object, encoding: str) -> Qos:
     """The images of one to three seconds at 30 Hz: on a busy machine, readers are behind for longer than a second."""
     kind, channels = _ENCODINGS.get(encoding, ("u1", 4))
     size = getattr(camera, "image_width", 0) * getattr(camera, "image_height", 0) * channels * np.dtype(kind).itemsize

@@ -272,7 +272,7 @@ class Replay:
         self._calls.pop(given.order, None)
         self._judge(given, state, result)
 
-    def _judge(self, given: Entry, state: str, result: Value) -> None:
+    def _judge(self, given: Entry, state: str, result: object) -> None:
         """Compare an outcome, now, with that of the recorded run."""
         was = self._outcomes.get(given.order)
         if self._misfit is not None or not self._is_exact:
@@ -309,7 +309,7 @@ class Replay:
             self._simulation.journal.sinks.remove(self._hear)
 
 
-def _shown(state: str, result: Value) -> str:
+def _shown(state: str, result: object) -> str:
     return state if result is None else f"{state} ({shown(result)})"
 
 

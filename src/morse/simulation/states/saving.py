@@ -81,7 +81,7 @@ class StateParts:
         """The part of that name."""
         kind, _, rest = name.partition(" ")
         context = self._simulation.context
-        part: Any = None
+        part: object = None
         if kind == "object":
             part = context.world.objects_by_name.get(rest)
         elif kind == "component":
@@ -111,7 +111,7 @@ class StateParts:
     def find_class(self, path: str) -> type | None:
         """Return a class of MORSE, of the project, or of a module in the same directory as a component of the scene."""
         module_name, _, name = path.partition(":")
-        cls: Any = self._module(module_name)
+        cls: object = self._module(module_name)
         for word in name.split("."):
             cls = vars(cls).get(word) if isinstance(cls, (type, ModuleType)) else None
         # names that a module has imported from elsewhere are ignored

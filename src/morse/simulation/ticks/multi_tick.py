@@ -108,7 +108,7 @@ class MultiTick:
         self._rests = self._all_rest(self._others)
         return self._all_rest(self._holding)
 
-    def _all_rest(self, components: Sequence[Any]) -> bool:
+    def _all_rest(self, components: Sequence[object]) -> bool:
         # who cannot tell does not rest
         return not components or len(self._context.guard.those(components, _rests, _nothing)) == len(components)
 
@@ -137,7 +137,7 @@ class MultiTick:
         due = [self._sensors.due(first + number) for number in range(most)]
         later: dict[int, int] = {id(entry): int(measured) for entry in self._sensors}
         #: the sensors that have to measure in each tick
-        acting: list[list[Any]] = [[] for _ in due]
+        acting: list[list[object]] = [[] for _ in due]
         acting[-1] = due[-1]
         later.update({id(entry): 1 for entry in due[-1]})
         # backwards: how often is each measured after this tick?
@@ -156,7 +156,7 @@ class MultiTick:
         skipped = [(scan, skips[id(scan)]) for scan in self._scans if skips[id(scan)]]
         return TickSpan(count, measuring, self._asking(measuring), skipped)
 
-    def _asking(self, entries: Sequence[Any]) -> list[Any]:
+    def _asking(self, entries: Sequence[object]) -> list[Any]:
         """The components with requests."""
         members = [member for entry in entries for member in (entry.members if is_a(entry, Rows) else (entry,))]
         return self._context.guard.those(members, _requests, _nothing)

@@ -106,8 +106,8 @@ def arranged(components: Sequence[Object], act: Callable[[Sequence[Object | Rows
     carriers: dict[int, int] = {}
     for component in components:
         carriers[id(component.robot_parent)] = carriers.get(id(component.robot_parent), 0) + 1
-    order: list[Any] = []
-    alike: dict[tuple[Any, float, float, str | None], list[Object]] = {}
+    order: list[object] = []
+    alike: dict[tuple[object, float, float, str | None], list[Object]] = {}
     for component in components:
         is_on_demand = isinstance(component, Sensor) and component.on_demand
         if (
