@@ -304,7 +304,7 @@ class IMU(MotionSensor):
         self.local_data.update(self._felt(motion, self.position_3d.get_pose()))
         self._add_errors()
 
-    def _felt(self, motion: Motion, pose: tuple[Sequence[float], Sequence[float]]) -> dict[str, list[float] | float]:
+    def _felt(self, motion: Motion, pose: tuple[Sequence[float], Sequence[float]]) -> dict[str, list[float]]:
         """Return the measurement of an ideal sensor."""
         position, rotation = pose
         x, y, z = motion.acceleration
