@@ -8,8 +8,6 @@ from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, LENGTH, TORQUE
 from morse.helpers.components import add_data, add_kind, add_property
 
-_THRUST, _DRAG = "Thrust of a rotor", "Counter torque of a rotor"
-
 
 class QuadrotorDynamicControl(Actuator):
     """Applies the thrust F and the torques tx, ty, tz that result from the speeds w1..w4 of four rotors.
@@ -28,8 +26,12 @@ class QuadrotorDynamicControl(Actuator):
 
     add_data("engines", [0.0, 0.0, 0.0, 0.0], "list", "Speed of each rotor", unit="rad/s", shape=4, low=-1e5, high=1e5)
     # those of real rotors are below 1e-2
-    add_property("_thrust_factor", 9.169e-6, "ThrustFactor", "float", _THRUST, unit="N·s^2", low=0.0, high=1.0)
-    add_property("_drag_factor", 2.4e-7, "DragFactor", "float", _DRAG, unit="N·m·s^2", low=0.0, high=1.0)
+    add_property(
+        "_thrust_factor", 9.169e-6, "ThrustFactor", "float", "Thrust of a rotor", unit="N·s^2", low=0.0, high=1.0
+    )
+    add_property(
+        "_drag_factor", 2.4e-7, "DragFactor", "float", "Counter torque of a rotor", unit="N·m·s^2", low=0.0, high=1.0
+    )
     add_property("_lever", 0.18, "Lever", "float", "Distance of the rotors from the centre", **LENGTH)
     add_property("_configuration", "+", "Configuration", "string", "Arrangement of the rotors", choices=("+", "x"))
     add_kind("actuators", values="engines")
