@@ -207,6 +207,21 @@ def test_the_sky_and_glowing_surfaces_have_their_own_colours_in_the_look_of_1_4(
     assert made.look(ABOVE, LENS).rgb[100, 100].tolist() == [124, 0, 0]  # sRGB of 0.2
 
 
+@pytest.mark.parametrize("kind", ["SPOT", "POINT"])
+@pytest.mark.parametrize(
+    ("energy", "distance", "code"),
+    [(1e30, 1.0, 255), (1.0, 0.0, 0), (1.0, 1e30, 150), (1.0, np.inf, 150), (np.nan, np.nan, 0)],
+)
+def test_absurd_lamps_give_an_image_in_the_look_of_1_4(kind, energy, distance, code):
+    """A lamp that reaches far does not fade, one that reaches nowhere gives no light."""
+    shone = lamp(kind, (0, 0, 1), energy, (0.0, 0.0, 2.0))
+    shone.light.distance = distance
+    made = Studio(floor(material=Material("", color=(0.5, 0.0, 0.0, 1))), shone)
+    made.scene.settings.physics_of_1_4 = True
+    picture = made.look(Tripod((0.0, 1.0, 3.0), (0, 0, 0)), LENS)
+    assert picture.rgb[100, 100].tolist() == pytest.approx([code, 0, 0], abs=2)
+
+
 # -- shadows of a spot lamp, at the positions that follow from the geometry ------------------------
 
 TRIPOD, SPOT_SHADOWS_LENS = Tripod((-7.0, 0.5, 5.0), (0.0, 0.0, 0.0)), Lens.of_focal_length(320, 240, 40.0, 0.1, FAR)

@@ -102,7 +102,7 @@ def _inverted_floors(nodes: Sequence[Node]) -> set[int]:
 
 def _faces_down(node: Node) -> bool:
     mesh = node.mesh
-    if mesh is None or not len(mesh.triangles):
+    if mesh is None or not len(mesh.triangles) or not len(mesh.vertices):
         return False
     # the first triangles of most meshes decide
     for triangles in (mesh.triangles[:_FIRST], mesh.triangles):

@@ -64,6 +64,15 @@ def test_a_floor_that_is_turned_over_is_one() -> None:
     assert _plate(floor) > 0.01  # along its own Z, which points down
 
 
+def test_meshes_without_substance_are_no_floors() -> None:
+    nowhere, broken = _sheet("nowhere", DOWN), _sheet("broken", DOWN, (np.nan,) * 4)
+    nowhere.mesh.vertices = np.zeros((0, 3), np.float32)
+    scene = Scene(environment="empty")
+    scene.roots = [nowhere, broken, _sheet("point", DOWN, scale=(0, 0, 0))]
+    resolve_shapes(scene)
+    assert nowhere.shapes == []
+
+
 def test_ceilings_and_what_moves_keep_their_inside() -> None:
     floor, ceiling = _sheet("floor", DOWN), _sheet("ceiling", DOWN, (2.0,) * 4)
     lid = _sheet("lid", DOWN, (-1.0,) * 4, kind=PhysicsType.RIGID_BODY)

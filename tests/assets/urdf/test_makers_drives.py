@@ -182,9 +182,10 @@ def test_motors_that_carry_legs_are_no_wheels(robot, knee, shank) -> None:
         robot(BASE + _legs(knee, shank=shank))
 
 
-def test_a_wheel_whose_joint_has_no_range_turns_without_end(robot) -> None:
+@pytest.mark.parametrize("ends", ["", 'lower="" upper=" "'])
+def test_a_wheel_whose_joint_has_no_range_turns_without_end(robot, ends) -> None:
     """MuJoCo and PyBullet read a <limit> that gives an effort alone so; the format itself would lock the joint."""
-    wheels = _pair(CYLINDER, _LYING, rest='<limit effort="5" velocity="40"/>').replace("continuous", "revolute")
+    wheels = _pair(CYLINDER, _LYING, rest=f'<limit effort="5" velocity="40" {ends}/>').replace("continuous", "revolute")
     distance, _ = driven(robot(BASE + wheels + REAR + FRONT))
     assert distance == pytest.approx(1.2, rel=0.02)
 

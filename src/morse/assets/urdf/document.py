@@ -165,9 +165,7 @@ class _Parser:
         (low,), (high,) = (self.limit(limit, name) for name in ("lower", "upper"))
         if kind in LOOSE:
             low = high = 0.0
-        elif kind == "continuous" or (
-            kind != "fixed" and not {"lower", "upper"} & set(() if limit is None else limit.keys())
-        ):
+        elif kind == "continuous" or (kind != "fixed" and not self.has_range(limit)):
             # a joint that nothing limits; 0 for both, the default of the format, would lock it, and no engine does
             low, high = -_ENDLESS, _ENDLESS
         if low > high:
@@ -186,6 +184,11 @@ class _Parser:
             limited=kind not in LOOSE and (low > -_ENDLESS or high < _ENDLESS),
         )
         return Joint(name, kind, parent, child, self.origin(element), axis, low, high, moves, self.mimic(element))
+
+    @staticmethod
+    def has_range(element: ElementTree.Element | None) -> bool:
+        """Whether one of the limits is given."""
+        return element is not None and any(element.get(name, "").strip() for name in ("lower", "upper"))
 
     def limit(self, element: ElementTree.Element | None, name: str) -> tuple[float]:
         """Return a limit of a joint; very large numbers, and infinity, stand for no limit."""
