@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 #: share of the largest effort of a joint that random commands use
 _SHARE = 0.3
+#: least number of steps between two restarts
+_EPISODE = 50
 
 
 def scene(file: str) -> Callable[[], None]:
@@ -253,7 +255,8 @@ def main() -> None:
     rng = np.random.default_rng(1)
     order = [bare.names().index(name) for name in names]
     times: dict[str, list[float]] = {name: [] for name in loops}
-    steps = max(5, 400 // count)
+    # as long as a short episode, because the first step after a restart costs more
+    steps = max(_EPISODE, 400 // count)
     for number in range(arguments.rounds + 1):
         commands = rng.uniform(-high, high, (steps, count, len(names)))
         for name, loop in loops.items():

@@ -10,6 +10,7 @@ from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.limits import AbsoluteSpeed, EulerAngles, Point
 from morse.core.reports.quoting import nearest, shown
+from morse.core.rows.columns import Setpoints
 from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_kind, add_property, add_state, each
@@ -18,6 +19,8 @@ from morse.mathutils import Euler
 from morse.mathutils.rotations import nine, product
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.robot import Robot
     from morse.core.world import Body
 
@@ -105,12 +108,26 @@ class Armature(JointReach):
 
     def holds(self) -> bool:
         """Whether all joints have their setpoints, and nothing else moves them."""
+        return self._is_free() and self._wanted() == self._values
+
+    def _is_free(self) -> bool:
+        """Whether nothing but setpoints moves the joints."""
         return (
             type(self).default_action is Armature.default_action
             and not (self._tendons or self._targets)
             and (self._move, self._trajectory, self._awaited) == (None, None, None)
-            and self._wanted() == self._values
         )
+
+    def setpoints(self) -> Setpoints | None:
+        """See `Actuator.setpoints`."""
+        motors = self.motors
+        if motors is None or not self._is_free():
+            return None
+        return Setpoints(self.joints, self._values, self._bounds(), self._steps(), motors.channels(self.joints))
+
+    def went_on(self, values: Sequence[float]) -> None:
+        """See `Actuator.went_on`."""
+        self._values = list(values)
 
     def _stop(self) -> None:
         self._move = None

@@ -144,6 +144,12 @@ class DynamicJoints(JointServices):
             self._motors.pull(forces)
 
     @property
+    def motors(self) -> Joints | None:
+        """The joints in the physics; None if they are not dynamic."""
+        motors: Joints | None = self._motors
+        return motors
+
+    @property
     def joint_values(self) -> tuple[float, ...]:
         """The present joint values, rad or m; measured values, if the joints are dynamic."""
         return super().joint_values if self._motors is None else tuple(self._motors.positions(self.joints))

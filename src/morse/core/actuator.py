@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from morse.core.interfaces import Component
     from morse.core.robot import Robot
+    from morse.core.rows.columns import Setpoints
     from morse.core.values import Fields
 
 
@@ -71,14 +72,33 @@ class Actuator(Object):
 
     def rests(self) -> bool:
         """Whether its next actions change nothing but its own pose, as long as no command arrives."""
-        if type(self).action is not Actuator.action or is_overridden(self) or self._is_checked:
+        if not self._is_plain():
             return False
-        if not self._active:
-            return True
+        return not self._active or (self._has_no_input() and self.holds())
+
+    def _is_plain(self) -> bool:
+        return type(self).action is Actuator.action and not is_overridden(self) and not self._is_checked
+
+    def _has_no_input(self) -> bool:
         signs = [waiting(function) for function in self.input_functions]
-        return (
-            self.command_end is None and not self.limits_commands and None not in signs and not any(signs)
-        ) and self.holds()
+        return self.command_end is None and not self.limits_commands and None not in signs and not any(signs)
+
+    def lasting_setpoints(self) -> Setpoints | None:
+        """What its next actions move as long as nothing but commands arrives; None if they do anything else."""
+        if not self._is_plain() or not self._active or self.input_modifiers or not self._has_no_input():
+            return None
+        return self.setpoints()
+
+    def setpoints(self) -> Setpoints | None:
+        """What `default_action` moves while services do not move it otherwise; None if it does anything else."""
+        return None
+
+    def went_on(self, values: Sequence[float]) -> None:
+        """Take note of actions that were computed elsewhere, from `setpoints`.
+
+        Args:
+            values: to which the last one has moved the joints.
+        """
 
     def holds(self) -> bool:
         """Whether `default_action` has nothing to do until the data change."""

@@ -82,7 +82,7 @@ class Batch(RowArrays):
                 simulation = self._scenes.load(row, one)
                 simulation.delays_interrupts = False
                 self._simulations.append(simulation)
-            self._batched_step = BatchedStep(self._simulations)
+            self._batched_step = BatchedStep(self._simulations, self._commands)
         except BaseException:
             self.close()
             raise
@@ -139,15 +139,20 @@ class Batch(RowArrays):
         together = bool(ticks) and measure is True
         if (ticks or measure) and not together:
             self._rows(None)
+        if together:
+            batched_step.begin()
+        by_messages = ~batched_step.joint_step.members & (has_command & together | ~batched_step.members)
         for column, rows, _ in commands:
-            column.publish(rows[(has_command & together | ~batched_step.members)[rows]])
+            column.publish(rows[by_messages[rows]])
         # Ctrl+C takes effect after all rows: they stay in the same tick
         with self._time:
             if together:
-                ran = batched_step.run(ticks, has_command)
-            left = dict(enumerate((ticks - ran).tolist()))
-            rest = [row for row in left if left[row] or not (together or batched_step.members[row])]
-            self._each(rest, lambda row: simulations[row].step(left[row], measure=measure))
+                ran = batched_step.run(ticks, has_command, commands)
+            left = ticks - ran
+            rest = np.flatnonzero(
+                left if together else ~(batched_step.members | batched_step.joint_step.members)
+            ).tolist()
+            self._each(rest, lambda row: simulations[row].step(int(left[row]), measure=measure))
             self._update(rest)
             if together:
                 batched_step.join(rest)
@@ -181,10 +186,12 @@ class Batch(RowArrays):
             seeds: one seed for each of these rows, or a number ``s`` for the seeds ``s + row``; None for the present
                 seeds.
         """
-        numbers = self._rows(rows)
+        self._check_open()
+        numbers = rows_of(rows, len(self))
         values = [self.seeds[row] for row in numbers] if seeds is None else seeds_of(seeds, numbers)
         for row, seed in zip(numbers, values, strict=True):
             self.seeds[row] = seed
+            self._batched_step.drop(row)
         self._each(numbers, lambda row: self._simulations[row].restart(self.seeds[row]))
         self._begin(numbers)
 
@@ -263,6 +270,10 @@ class Batch(RowArrays):
 
     def _load_sample(self) -> Simulation:
         return self._scenes.load(0, self.seeds[0])
+
+    def _begin(self, rows: Sequence[int]) -> None:
+        super()._begin(rows)
+        self._batched_step.renew(rows)
 
     def _add_reading(self, column: DataColumn) -> None:
         super()._add_reading(column)

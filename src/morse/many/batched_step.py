@@ -2,7 +2,8 @@
 
 The kernel runs the ticks and the scans of all these rows in one call: the same functions in the same order as in single
 simulations. Their simulations do not know of these ticks until somebody needs them. A row whose simulation was handed
-out is never among them, because then somebody may look at any time.
+out is never among them, because then somebody may look at any time. Rows in which the engine moves robots with joints
+go on together by `morse.many.joint_step`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ from morse.core.rows.columns import columns_of
 from morse.core.rows.rows import SensorRows
 from morse.kernel.batched import Courses, Lanes
 from morse.kernel.rays import Hits
+from morse.many.joint_step import JointStep
+from morse.physics.engine_rows import EngineRows
+from morse.physics.poses.pose_rows import Mountings, PoseRows
 from morse.physics.poses.snapshot import Snapshot
 from morse.physics.rays.bundle import RayBundle, Scan, Sight
 
@@ -23,36 +27,51 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.many.fields import DataColumn
+    from morse.many.fields import CommandColumn, DataColumn
+    from morse.many.joint_step import Command
+    from morse.physics.poses.pose_rows import Numbers
     from morse.simulation.simulation import Simulation
 
 
+_FIRST = np.zeros(1, np.intp)
 #: smallest number of rows for which arrays pay
 _LEAST = 2
+#: the field of all sensors with the time of the measurement
+_TIME = "timestamp"
 
 
 class BatchedStep:
     """The rows that go on together.
 
+    Args:
+        commands: the columns of commands, also those that are added later.
+
     Attributes:
-        members: (N,) which rows these are.
+        members: (N,) which rows these are, without those of `joint_step`.
+        joint_step: the rows in which only joints move.
     """
 
-    def __init__(self, simulations: Sequence[Simulation]) -> None:
+    def __init__(self, simulations: Sequence[Simulation], commands: Sequence[CommandColumn]) -> None:
         count = len(simulations)
         self._simulations = simulations
         self.members = np.zeros(count, bool)
         self._public = np.zeros(count, bool)
         #: ticks that a simulation does not know of; and ticks that are certainly free
         self._owed, self._left = np.zeros(count, np.int64), np.zeros(count, np.int64)
-        self._columns: list[_Column] = []
+        self._columns: list[Reading] = []
         self._courses: Courses | None = None
         self._is_possible = count >= _LEAST
+        self.joint_step = JointStep(simulations, commands, self._columns)
+        #: rows that may be members of `joint_step` from their next step on, and whether all data can be read of them
+        self._fresh, self._has_columns = set(range(count)), count >= _LEAST
 
     def read(self, column: DataColumn) -> None:
         """Take note of data that are read after each step."""
-        self._columns.append(_Column(column, len(self.members)))
+        for row in np.flatnonzero(self.joint_step.members).tolist():
+            self.leave(row)
+        self._columns.append(Reading(column, len(self.members)))
         self._is_possible &= self._columns[-1].is_possible
+        self._has_columns &= self._columns[-1].is_possible or self._columns[-1].has_joints
 
     def publish(self, rows: Iterable[int]) -> None:
         """Take note of simulations that are handed out."""
@@ -60,18 +79,33 @@ class BatchedStep:
             self.leave(row)
             self._public[row] = True
 
+    def renew(self, rows: Iterable[int]) -> None:
+        """Take note of simulations that have begun anew."""
+        self._fresh.update(rows)
+
     # -- a step ------------------------------------------------------------------------------
 
-    def run(self, ticks: int, commanded: NDArray[np.bool_]) -> NDArray[np.int64]:
+    def begin(self) -> None:
+        """Let those rows be members of `joint_step` that may be from the first step on."""
+        if self._fresh:
+            rows, self._fresh = sorted(self._fresh), set()
+            for row in rows:
+                self._join_joints(row)
+
+    def _join_joints(self, row: int) -> bool:
+        return self._has_columns and not (self._public[row] or self.members[row]) and self.joint_step.join(row)
+
+    def run(self, ticks: int, commanded: NDArray[np.bool_], commands: Sequence[Command]) -> NDArray[np.int64]:
         """Run a step of the members, at whose end all sensors measure.
 
         Args:
             commanded: (N,) rows with another command than before.
+            commands: the commands of `joint_step`, see there.
 
         Returns:
             (N,) the numbers of ticks; the simulations of the other rows, and of those with fewer ticks, are up to date.
         """
-        ran = np.zeros(len(self.members), np.int64)
+        ran = self.joint_step.run(ticks, commands)
         if not self.members.any():
             return ran
         # whoever leaves is stepped next, so that its sensors measure at the end of that step
@@ -93,8 +127,12 @@ class BatchedStep:
         rows = rows[ran[rows] == ticks]
         if len(rows):
             assert self._courses is not None
+            clocks = [self._simulations[row].clock for row in rows.tolist()]
+            times = [
+                one.origin + (one.tick + self._owed[row]) / one.frequency for one, row in zip(clocks, rows, strict=True)
+            ]
             for column in self._columns:
-                column.update(rows, self._courses)
+                column.update(rows, self._courses, np.array(times))
         return ran
 
     def _go(self, rows: NDArray[np.int64], ticks: int, ran: NDArray[np.int64]) -> None:
@@ -120,11 +158,11 @@ class BatchedStep:
 
     def join(self, rows: Iterable[int]) -> None:
         """Let those rows be members in whose next steps nothing can happen, after a step with measurements."""
-        if not self._is_possible:
-            return
         for row in rows:
-            if not self._public[row] and self._simulations[row].coasts:
+            if self._is_possible and not self._public[row] and self._simulations[row].coasts:
                 self.members[row] = self._prepare(row)
+            else:
+                self._join_joints(row)
 
     def _prepare(self, row: int) -> bool:
         simulation = self._simulations[row]
@@ -150,9 +188,15 @@ class BatchedStep:
         Args:
             measured: whether its sensors measure; False if they measure at the end of a step that follows.
         """
+        self.joint_step.leave(row)
         if self.members[row]:
             self.members[row] = False
             self._note(row, measured=measured)
+
+    def drop(self, row: int) -> None:
+        """Let a row leave whose simulation begins anew."""
+        self.joint_step.drop(row)
+        self.leave(row)
 
     def _note(self, row: int, *, measured: bool) -> None:
         ticks, self._owed[row] = int(self._owed[row]), 0
@@ -161,32 +205,73 @@ class BatchedStep:
             self._simulations[row].coasted(ticks, measured=measured)
 
 
-class _Column:
-    """Data that are computed for many rows at once."""
+class _Moment(Snapshot):
+    """The poses of one sensor in each of N simulations.
+
+    Args:
+        positions, rotations: (N, 3) m, (N, 9) of the rigid groups of the sensors.
+        places: of the sensors in these groups.
+    """
+
+    __slots__ = ("_places",)
+
+    def __init__(self, positions: NDArray[np.float64], rotations: NDArray[np.float64], places: Mountings) -> None:
+        super().__init__(positions, rotations, range(len(positions)), ())
+        self._places = places
+
+    @classmethod
+    def poses_at(cls, moments: Sequence[Any]) -> tuple[Numbers, Numbers]:
+        """Return the positions (3) and rotations (9, row by row) of the N sensors at the only moment, (1, N) each."""
+        (one,) = moments
+        positions, rotations = one.group_positions[None], one.group_rotations[None]
+        return PoseRows(positions, rotations, [one._places], _FIRST).carried(slice(None))
+
+
+class Reading:
+    """Data that are computed for many rows at once.
+
+    Attributes:
+        is_possible: whether they are, for rows that glide.
+        has_joints: whether these are positions of joints, of which `joint_step` knows.
+    """
 
     def __init__(self, column: DataColumn, rows: int) -> None:
         self._column, self._handles = column, column.handles
-        cls = type(column.handles[0].component)
+        cls, layout = type(column.handles[0].component), column.layout
         columns = columns_of(cls)
-        self.is_possible = columns is not None and column.layout.is_numeric_in(columns.fields)
-        if columns is None or not self.is_possible:
-            return
-        self._of, self._keep = columns.of, columns.keep
+        self.is_possible = columns is not None and layout.is_numeric_in((*columns.fields, _TIME))
+        self.has_joints = columns is None and layout.dtype.kind == "f" and hasattr(cls, "joint_places")
         self._slots = np.zeros(rows, np.int64)
-        self._mountings: list[object] = [None] * rows
-        self._chosen: tuple[bytes, list[Any]] = b"", []
+        self._mountings: list[Any] = [None] * rows
+        #: the rows of the last update, and the places of their sensors
+        self._chosen: tuple[bytes, Mountings] | None = None
         self._bundle: RayBundle | None = None
-        self._lanes = Lanes(rows) if columns.keep is not None else None
         self._hits: Hits | None = None
+        self._lanes: Lanes | None = None
+        fields = [name for name in layout.fields if name != _TIME]
+        self._joints = fields
+        self._places = np.zeros((rows, len(fields)), np.intp)
+        self._numbers = [number for number, name in enumerate(layout.fields) if name != _TIME]
+        if columns is not None and self.is_possible:
+            self._of, self._keep = columns.of, columns.keep
+            self._lanes = Lanes(rows) if columns.keep is not None else None
 
-    def add(self, row: int, simulation: Simulation, courses: Courses) -> bool:
+    def add(self, row: int, simulation: Simulation, courses: Courses | EngineRows) -> bool:
         """Prepare a row; return False if its data cannot be computed together with those of the others."""
         component: Any = self._handles[row].component
         entry = component._in_rows
-        if not isinstance(entry, SensorRows) or columns_of(type(component)) is None:
+        if not isinstance(entry, SensorRows):
+            return False
+        if self.has_joints:
+            places = component.joint_places(self._joints) if isinstance(courses, EngineRows) else None
+            if places is None:
+                return False
+            self._places[row] = places
+            return True
+        if columns_of(type(component)) is None:
             return False
         self._slots[row], self._mountings[row] = entry.place_of(component)
-        self._chosen = b"", []
+        self._chosen = None
         if self._lanes is None:
             return True
         bundle = component.rays
@@ -203,17 +288,21 @@ class _Column:
         self._lanes.set(row, lane)
         return True
 
-    def update(self, rows: NDArray[np.int64], courses: Courses) -> None:
-        """Write the data of some rows."""
+    def update(self, rows: NDArray[np.int64], courses: Courses | EngineRows, times: NDArray[np.float64]) -> None:
+        """Write the data of some rows, measured at these times (s)."""
+        if self.has_joints:
+            assert isinstance(courses, EngineRows)
+            values = courses.joints[rows[:, None], self._places[rows]]
+            self._column.put_numbers(rows, self._numbers, values, times)
+            return
         key = rows.tobytes()
-        if self._chosen[0] != key:
-            self._chosen = key, [self._mountings[row] for row in rows.tolist()]
+        if self._chosen is None or self._chosen[0] != key:
+            self._chosen = key, Mountings.of([self._mountings[row] for row in rows.tolist()])
         slots = self._slots[rows]
-        positions, rotations = courses.positions[rows, slots], courses.rotations[rows, slots]
-        moment = Snapshot(positions, rotations, range(len(rows)), self._chosen[1])
+        moment = _Moment(courses.positions[rows, slots], courses.rotations[rows, slots], self._chosen[1])
         kept: list[np.ndarray] = []
         if self._lanes is not None and self._keep is not None and self._hits is not None and self._bundle is not None:
             self._lanes.cast(rows)
             scan = Scan(self._bundle, self._hits.rows(rows))
             kept = [self._keep(Sight(scan, row)) for row in range(len(rows))]
-        self._column.put(rows, self._of([moment], [kept]))
+        self._column.put(rows, {**self._of([moment], [kept]), _TIME: times[:, None]})

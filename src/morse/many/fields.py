@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -69,6 +70,9 @@ class Layout:
             self.dtype = np.result_type(*values)
         self.shapes = [value.shape for value in values]
         self._are_scalars = all(shape == () for shape in self.shapes)
+        ends = list(itertools.accumulate(math.prod(shape) for shape in self.shapes))
+        #: the columns of each field in an array of several fields
+        self._columns = [slice(first, end) for first, end in zip([0, *ends], ends, strict=False)]
 
     def empty(self, rows: int) -> np.ndarray:
         """Return (rows, *shape) zeros."""
@@ -76,8 +80,7 @@ class Layout:
 
     def columns(self, field: int) -> slice:
         """Return the columns of a field in an array of several fields."""
-        first = sum(math.prod(shape) for shape in self.shapes[:field])
-        return slice(first, first + math.prod(self.shapes[field]))
+        return self._columns[field]
 
     def fill(self, array: np.ndarray, row: int, data: Mapping[str, object]) -> None:
         """Copy the fields of a component into a row.
@@ -123,10 +126,13 @@ class Layout:
         """
         for index, (name, shape) in enumerate(zip(self.fields, self.shapes, strict=True)):
             values = data[name]
-            for row, value in zip(rows.tolist(), values, strict=True):
-                if value[0].shape != shape:
-                    self._refuse(row, value[0].shape)
-            every = np.asarray(values).reshape(len(rows), *shape)
+            if isinstance(values, np.ndarray) and values.shape[2:] == shape:
+                every = values.reshape(len(rows), *shape)
+            else:
+                for row, value in zip(rows.tolist(), values, strict=True):
+                    if value[0].shape != shape:
+                        self._refuse(row, value[0].shape)
+                every = np.asarray(values).reshape(len(rows), *shape)
             if len(self.fields) == 1:
                 array[rows] = every
             else:
@@ -188,6 +194,17 @@ class DataColumn:
     def put(self, rows: NDArray[np.intp], data: Mapping[str, np.ndarray | Sequence[object]]) -> None:
         """Take data of some rows, by field; see `Layout.fill_rows`."""
         self.layout.fill_rows(self._values, rows, data)
+
+    def put_numbers(
+        self, rows: NDArray[np.intp], columns: Sequence[int], values: NDArray[np.float64], times: NDArray[np.float64]
+    ) -> None:
+        """Take numbers (M, F) of some rows for some columns, and times (M,), s, for the others."""
+        array = self._values.reshape(len(self._values), -1)
+        if len(columns) == array.shape[1]:
+            array[rows] = values
+            return
+        array[rows] = times[:, None]
+        array[rows[:, None], columns] = values
 
     def _data_of(self, row: int) -> Fields:
         component = self.handles[row].component
@@ -258,11 +275,13 @@ class CommandColumn:
 
     Attributes:
         array: (N, ...) the commands of all rows.
+        layout: their layout.
+        name: full name of the actuator.
     """
 
     def __init__(self, layout: Layout, handles: Sequence[ComponentHandle]) -> None:
         rows = len(handles)
-        self._layout, self._handles = layout, handles
+        self.layout, self._handles, self.name = layout, handles, handles[0].fqn
         self._pending: list[PendingCommands | None] = [None] * rows
         self._actuators: list[object] = [None] * rows
         self.array = layout.empty(rows).view(Command)
@@ -284,7 +303,7 @@ class CommandColumn:
     def forget(self, rows: Iterable[int]) -> None:
         """Take the present data of the actuators; the rows have no command."""
         for row in rows:
-            self._layout.fill(self._plain, row, self._handles[row].component.local_data)
+            self.layout.fill(self._plain, row, self._handles[row].component.local_data)
             self._initial[row] = self._plain[row]
             assert self.array.written is not None
             self.array.written[row] = self._has_last[row] = False
@@ -321,13 +340,25 @@ class CommandColumn:
         try:
             self._pending_of(row).fitting(self._message(row))
         except CommandError as error:
-            raise CommandError(error.field, f"row {row}: {self._layout.component}: {error}") from None
+            raise CommandError(error.field, f"row {row}: {self.layout.component}: {error}") from None
+
+    def take(self, rows: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Return the commands (M, F) of rows, numbers that `check` has accepted, in place of `publish`."""
+        self._last[rows], self._has_last[rows] = self._plain[rows], True
+        values: NDArray[np.float64] = self._plain[rows].reshape(len(rows), -1)
+        return values
+
+    def repeat(self, row: int) -> None:
+        """Give the last command that `take` has returned for a row, if there is one, to the actuator."""
+        if self._has_last[row]:
+            values = self._last[row].reshape(-1).tolist()
+            self._pending_of(row).put(dict(zip(self.layout.fields, values, strict=True)))
 
     def publish(self, rows: NDArray[np.intp]) -> None:
         """Give commands that `check` has accepted to the actuators."""
         self._last[rows], self._has_last[rows] = self._plain[rows], True
         if self._are_numbers and len(rows):
-            names = self._layout.fields
+            names = self.layout.fields
             for row, values in zip(rows.tolist(), self._plain[rows].reshape(len(rows), -1).tolist(), strict=True):
                 self._pending_of(row).put(dict(zip(names, values, strict=True)))
             return
@@ -344,7 +375,7 @@ class CommandColumn:
         return pending
 
     def _message(self, row: int) -> Fields:
-        layout, values = self._layout, self._plain[row]
+        layout, values = self.layout, self._plain[row]
         if len(layout.fields) == 1:
             return {layout.fields[0]: values.tolist() if isinstance(values, np.ndarray) else _item(values)}
         message: Fields = {}

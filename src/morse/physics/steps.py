@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from morse.physics.state.engine_state import EngineState
 
 _STATE = engine_values.STATE
+_SLEEP = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
 _FULL = int(mujoco.mjtWarning.mjWARN_CNSTRFULL)
 _NO_CONTACTS = np.empty((0, 2), dtype=np.int32)
 
@@ -78,6 +79,31 @@ class Steps:
                 state.data.xfrc_applied[:] = 0.0
                 state.has_forces = False
         state.is_stirred = False
+
+    @property
+    def are_plain(self) -> bool:
+        """Whether the next ticks are the same steps of the engine, whatever it moves."""
+        state, gliding = self._state, self._gliding
+        return not (
+            gliding.glides
+            or state.has_forces
+            or state.touched
+            or state.sliding.has_objects
+            or self._unstable is not None
+            or state.model.opt.enableflags & _SLEEP
+        )
+
+    @property
+    def most_contacts(self) -> int:
+        """Number of contacts beyond which bodies may be excluded."""
+        return self._crowding.most
+
+    def missed(self, ticks: int) -> None:
+        """Take note of ticks whose steps were run elsewhere."""
+        if ticks:
+            self._gliding.tick += ticks
+            self._slept = self._state.is_stirred = False
+            self._state.known_contacts = None
 
     def run(self, ticks: int) -> int:
         """Run at most that many ticks in which only the engine has work, and nobody looks at the poses between them.

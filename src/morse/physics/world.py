@@ -340,6 +340,19 @@ class World(RayWorld):
             self.step()
         return done or 1
 
+    def only_steps(self) -> bool:
+        """Whether the next ticks are steps of the engine and nothing else, if motors alone are commanded."""
+        return self.touches is None and self.drives.is_idle and self._is_idle() and self._steps.are_plain
+
+    def missed(self, ticks: int) -> None:
+        """Take note of ticks whose steps were run elsewhere; the caller sets the state of the engine."""
+        self._steps.missed(ticks)
+
+    @property
+    def most_contacts(self) -> int:
+        """Number of contacts beyond which bodies may be excluded; see `morse.physics.crowding`."""
+        return self._steps.most_contacts
+
     def _is_idle(self) -> bool:
         """Whether no part of the physics but the drives has work."""
         touches = self.touches

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Any
 from morse.core.declarations import BuilderDefaults, DataField
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import nearest, shown
+from morse.core.rows.lazy_data import present_data
 from morse.core.sensor import Sensor
 from morse.core.services import service
-from morse.core.values import Fields
+from morse.core.values import Fields, Value
 from morse.helpers.chain import Chain
-from morse.helpers.components import add_kind, add_state, each
+from morse.helpers.components import add_kind, add_state, each, on_read
 from morse.scene import JointKind
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from morse.core.robot import Robot
     from morse.core.world import Body
@@ -107,20 +108,41 @@ class ArmaturePose(Sensor):
             )
         return fields
 
+    def observe(self) -> Value:
+        """Return the present positions, velocities and efforts of the joints, and positions of joints with several.
+
+        Velocities and efforts are None unless the joints are dynamic.
+        """
+        names, motors = self._names, self._motors
+        if motors is not None:
+            return *motors.measured(names), [motors.loose(bone.name)[0] for bone in self._loose]
+        armature: Any = self.context.components[self._armature]
+        state = getattr(armature, "joint_state", None)
+        if state is None:
+            return armature.joint_values, None, None, ()
+        return *state, [armature.loose_joint(bone.name)[0] for bone in self._loose]
+
+    @on_read
     def measure(self) -> None:
         """Measure the joint values."""
-        data, names, motors = self.local_data, self._names, self._motors
-        armature: Any = self.context.components[self._armature] if motors is None else None
-        state = motors.measured(names) if motors is not None else getattr(armature, "joint_state", None)
-        if state is None:
-            data.update(zip(names, armature.joint_values, strict=True))
+        data = self.local_data
+        values, velocities, efforts, loose = self.observation()
+        data.update(zip(self._names, values, strict=True))
+        if velocities is None:
             return
-        values, velocities, efforts = state
-        data.update(zip(names, values, strict=True))
         self.velocities, self.efforts = tuple(velocities), tuple(efforts)
-        for bone in self._loose:
-            position, _ = armature.loose_joint(bone.name) if motors is None else motors.loose(bone.name)
+        for bone, position in zip(self._loose, loose, strict=True):
             data[bone.name] = position or data[bone.name]
+
+    def joint_places(self, fields: Sequence[str]) -> list[int] | None:
+        """Return the numbers of the fields among the positions of the world; None if one is not among them."""
+        motors = self._motors
+        if motors is None:
+            motors = getattr(self.context.components[self._armature], "motors", None)
+        if motors is None or not set(fields) <= set(self._names):
+            return None
+        places: list[int] = motors.places(fields)
+        return None if -1 in places else places
 
     @service(changes=False)
     def get_joints(self) -> list[str]:
@@ -131,22 +153,25 @@ class ArmaturePose(Sensor):
     @service(name="get_state", changes=False)
     def get_joint_state(self) -> dict[str, float]:
         """Return the values of all joints: name to rad or m."""
-        return {name: self.local_data[name] for name in self.joints}
+        data = present_data(self)
+        return {name: data[name] for name in self.joints}
 
     @service(changes=False)
     def get_joint(self, joint: str) -> float:
         """Return the value of a joint, rad or m."""
         self._check(joint)
-        return float(self.local_data[joint])
+        return float(present_data(self)[joint])
 
     @service(changes=False)
     def get_velocities(self) -> dict[str, float]:
         """Return the velocities of all joints: name to rad/s or m/s; empty unless the joints are dynamic."""
+        present_data(self)
         return dict(zip(self.joints, self.velocities or (), strict=False))
 
     @service(changes=False)
     def get_efforts(self) -> dict[str, float]:
         """Return the efforts of the motors of all joints: name to N m or N; empty unless the joints are dynamic."""
+        present_data(self)
         return dict(zip(self.joints, self.efforts or (), strict=False))
 
     @service(changes=False)
@@ -156,10 +181,11 @@ class ArmaturePose(Sensor):
         Positions are displacements along the axes of the joint, m, then an angle, rad (``planar``), or a quaternion w,
         x, y, z (``floating``, ``ball``). Velocities are m/s and rad/s; they are empty unless the joints are dynamic.
         """
+        data = present_data(self)
         return {
             bone.name: {
                 "type": str(bone.kind),
-                "position": list(self.local_data[bone.name]),
+                "position": list(data[bone.name]),
                 "velocity": self._loose_velocity(bone.name),
             }
             for bone in self._loose

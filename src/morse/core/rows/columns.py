@@ -37,6 +37,26 @@ class Columns(NamedTuple):
     keep: Callable[[Value], np.ndarray] | None = None
 
 
+class Setpoints(NamedTuple):
+    """Joints of which the next actions of an actuator do nothing but move them to the numbers in its data.
+
+    In an action a joint goes to the number of its field within its limits, or by a step toward it.
+
+    Attributes:
+        fields: the fields, J; their numbers are rad, m, or what the motors control.
+        values: (J,) to which the last action has moved them.
+        bounds: (J, 2) limits of the setpoints.
+        steps: (J,) what an action changes at most.
+        channels: (J,) numbers of the motors among the commands of the world; -1 for a joint without motor.
+    """
+
+    fields: Sequence[str]
+    values: Sequence[float]
+    bounds: Sequence[tuple[float, float]]
+    steps: Sequence[float]
+    channels: Sequence[int]
+
+
 def in_columns(columns: Columns) -> Callable[[_F], _F]:
     """Mark an action that is marked by `morse.core.rows.marks.on_read`, and measures the same in columns."""
 

@@ -463,3 +463,9 @@ class Joints(Protocol):
 
     def efforts(self, names: Sequence[str]) -> list[float]:
         """Return the efforts that the motors exert."""
+
+    def places(self, names: Sequence[str]) -> list[int]:
+        """Return the numbers of joints among the positions of the world; -1 for a joint that nothing hangs on."""
+
+    def channels(self, names: Sequence[str]) -> list[int]:
+        """Return the numbers of the motors of joints among the commands of the world; -1 for a joint without motor."""

@@ -68,6 +68,16 @@ class JointHandle:
             if slot is not None and slot.actuator >= 0:
                 controls[slot.actuator] = value
 
+    def places(self, names: Sequence[str]) -> list[int]:
+        """Return the numbers of joints among the positions of the world; -1 for a joint that nothing hangs on."""
+        slots = self._slots
+        return [slots[name].qpos if name in slots else -1 for name in names]
+
+    def channels(self, names: Sequence[str]) -> list[int]:
+        """Return the numbers of the motors of joints among the commands of the world; -1 for a joint without motor."""
+        slots = self._slots
+        return [slots[name].actuator if name in slots else -1 for name in names]
+
     def set_control(self, name: str, control: Control, command: float) -> None:
         """Change the control mode of a motor, and its command."""
         state, slot = self._state, self._slots.get(name)

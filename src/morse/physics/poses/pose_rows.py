@@ -77,7 +77,7 @@ class PoseRows(NamedTuple):
         each = [Mountings.of(one) for one in distinct.values()]
         return cls(stacked(positions), stacked(rotations), each, places)
 
-    def carried(self, slots: NDArray[np.intp] | Sequence[int]) -> tuple[Numbers, Numbers]:
+    def carried(self, slots: NDArray[np.intp] | Sequence[int] | slice) -> tuple[Numbers, Numbers]:
         """The poses (R, N) of objects in the world, as by `Mounting.carried`."""
         p: list[NDArray[np.float64]] = [self.positions[:, slots, k] for k in range(3)]
         r: list[NDArray[np.float64]] = [self.rotations[:, slots, k] for k in range(9)]

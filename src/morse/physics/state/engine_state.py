@@ -43,7 +43,7 @@ class Sliding:
         self._bodies = np.array([body for body in free if model.body_dofnum[body] == 6], dtype=np.intp)
         self._dofs = model.body_dofadr[self._bodies][:, None] + np.arange(3)
         elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
-        self._has_objects = bool(len(self._bodies)) and bool(elliptic)
+        self.has_objects = bool(len(self._bodies)) and bool(elliptic)
         self._slides = np.zeros(model.nbody, dtype=bool)
         self._geom_body = np.asarray(model.geom_bodyid)
         self._longest = _STIFF * model.opt.timestep
@@ -51,7 +51,7 @@ class Sliding:
 
     def begin(self) -> None:
         """Note at the beginning of a tick which objects slide: each for itself, whatever the others do."""
-        if not self._has_objects:
+        if not self.has_objects:
             return
         fast = np.abs(self._data.qvel[self._dofs]).max(axis=1) > _SLIP
         self.is_needed = bool(fast.any())

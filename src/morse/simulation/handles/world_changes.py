@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.context import Context
+    from morse.core.rows.columns import Setpoints
     from morse.core.values import Value
     from morse.core.world import Body
     from morse.physics import World
@@ -413,6 +414,14 @@ class WorldChanges:
     def coasts(self) -> bool:
         """Whether nothing can happen in any of the next ticks but that robots drive; see `morse.many.batched_step`."""
         return not self.context.journal.sinks and self._ticker.coasts
+
+    def moved_joints(self) -> Sequence[tuple[Actuator, Setpoints]] | None:
+        """The actuators, if nothing else can happen than that they move joints; see `Ticker.moved_joints`."""
+        return None if self.context.journal.sinks else self._ticker.moved_joints()
+
+    def missed(self, ticks: int) -> None:
+        """Take note of ticks of `moved_joints` that were computed elsewhere."""
+        self.context.clock.advance(ticks)
 
     def obey(self) -> bool:
         """Take the commands of the next tick; return whether nothing can happen but that robots drive."""

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.observer import Observer
+    from morse.core.rows.columns import Setpoints
     from morse.simulation.ticks.ticking import Schedule
 
 #: largest number of ticks of a leap, so that Ctrl+C ends a step soon
@@ -84,6 +85,24 @@ class MultiTick:
     def coasts(self) -> bool:
         """Whether the same holds for any number of ticks, after which all sensors measure."""
         return self._forgets and len(self._drives) == 1 and not self._holding and self.look()
+
+    def moved_joints(self) -> Sequence[tuple[Actuator, Setpoints]] | None:
+        """The actuators, if all of them do nothing but move joints, and sensors wait, in any number of ticks."""
+        if not self.is_possible or self._drives:
+            return None
+        for scan in self._scans:
+            if scan.remembers or not scan.may_skip():
+                return None
+        for other in self._others:
+            if not (is_a(other, Sensor) and other.on_demand):
+                return None
+        moved = []
+        for actuator in self._holding:
+            setpoints = actuator.lasting_setpoints()
+            if setpoints is None:
+                return None
+            moved.append((actuator, setpoints))
+        return moved if self._all_rest(self._others) else None
 
     def obey(self) -> bool:
         """Take the commands that have arrived for the next tick; return whether the robots go on at these speeds."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
+import _signal  # type: ignore[import-not-found]
 import signal
 import threading
 from collections import OrderedDict
@@ -88,8 +88,9 @@ class Stepping:
         self._guard.call([ended for _, ended in series], (outcome, reason))
 
 
-#: the plain functions, because the wrappers with enumerations in `signal` take longer than the rest of a step
-_handle, _handler = inspect.unwrap(signal.signal), inspect.unwrap(signal.getsignal)
+#: the plain functions, because the wrappers with enumerations in `signal` take longer than the rest of a step; they are
+#: not what `inspect.unwrap` returns, which knows nothing of these wrappers
+_handle, _handler = _signal.signal, _signal.getsignal
 _SIGINT = int(signal.SIGINT)
 #: timeout for a simulation in another thread to end when it is closed, s
 _PATIENCE = 20.0

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.observer import Observer
     from morse.core.robot import Robot
+    from morse.core.rows.columns import Setpoints
     from morse.simulation.loader import Loaded
     from morse.simulation.ticks.profile import Profile
     from morse.simulation.ticks.stepping import Stepping
@@ -261,13 +262,23 @@ class Ticker:
     @property
     def coasts(self) -> bool:
         """Whether nothing can happen in any of the next ticks but that robots drive."""
+        return self._is_calm() and self._leaping.coasts
+
+    def _is_calm(self) -> bool:
+        """Whether nothing but actuators and sensors can have work in any of the next ticks."""
         return (
             self._may_leap()
             and not self._busy_robots()
             and not self._alarmed()
-            and self._leaping.coasts
             and all(observer.waits for observer in self.observers)
         )
+
+    def moved_joints(self) -> Sequence[tuple[Actuator, Setpoints]] | None:
+        """The actuators, if nothing can happen in the next ticks but that they move joints toward setpoints, else None.
+
+        Sensors then need not measure before the end of a step at whose end all of them do.
+        """
+        return self._leaping.moved_joints() if self._is_calm() else None
 
     def obey(self) -> bool:
         """Take the commands of the next tick while nothing else can happen; return whether robots go on."""

@@ -1,0 +1,214 @@
+"""Rows of a batch in which nothing happens but that motors move joints, and the engine everything.
+
+Commands and setpoints are columns, and the engine steps all these rows in one call, on several threads. Their
+simulations do not know of it. When somebody needs one, it gets the state from before the last step, and takes that step
+itself, with the same commands: nothing differs from a simulation alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.physics.engine_rows import EngineRows
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.core.actuator import Actuator
+    from morse.core.rows.columns import Setpoints
+    from morse.many.batched_step import Reading
+    from morse.many.fields import CommandColumn
+    from morse.simulation.simulation import Simulation
+
+    #: a column, the rows that have a command, and for each row of the batch whether it is a new one
+    Command = tuple[CommandColumn, NDArray[np.intp], NDArray[np.bool_]]
+
+
+class JointStep:
+    """The rows in which only joints move.
+
+    Args:
+        commands: the columns of commands, also those that are added later.
+        readings: the same for data.
+
+    Attributes:
+        members: (N,) which rows these are.
+    """
+
+    def __init__(
+        self, simulations: Sequence[Simulation], commands: Sequence[CommandColumn], readings: Sequence[Reading]
+    ) -> None:
+        count = len(simulations)
+        self._simulations, self._commands, self._readings = simulations, commands, readings
+        self.members = np.zeros(count, bool)
+        #: ticks that a simulation does not know of, without those of the last step; and those
+        self._missed, self._last = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        #: number of ticks that a simulation knows of, their rate in Hz, and the time of the first one, s
+        self._ticks, self._rates, self._origins = np.zeros(count, np.int64), np.ones(count), np.zeros(count)
+        self._drives: dict[str, _Drive] = {}
+        self._engine: EngineRows | None = None
+
+    # -- who is a member -----------------------------------------------------------------------
+
+    def join(self, row: int) -> bool:
+        """Let a row be a member, if nothing else can happen in it."""
+        simulation = self._simulations[row]
+        moved = simulation.moved_joints()
+        if moved is None:
+            return False
+        engine = self._engine
+        if engine is None:
+            engine = self._engine = EngineRows(simulation.world, len(self.members))
+            self._drives = {actuator.name(): _Drive(len(self.members), one) for actuator, one in moved}
+        if len(moved) != len(self._drives) or not engine.add(row, simulation.world):
+            return False
+        for actuator, setpoints in moved:
+            drive = self._drives.get(actuator.name())
+            if drive is None or not drive.add(row, actuator, setpoints):
+                return False
+        clock = simulation.clock
+        self._ticks[row], self._rates[row], self._origins[row] = clock.tick, clock.frequency, clock.origin
+        self._missed[row] = self._last[row] = 0
+        self.members[row] = all(reading.add(row, simulation, engine) for reading in self._readings)
+        return bool(self.members[row])
+
+    def leave(self, row: int) -> None:
+        """Bring the simulation of a row up to date; it measures at the end of the last step, as the member has."""
+        if not self.members[row]:
+            return
+        self.members[row] = False
+        if self._last[row]:
+            self._return(row)
+            for column in self._commands:
+                column.repeat(row)
+            self._simulations[row].step(int(self._last[row]), measure=True)
+
+    def drop(self, row: int) -> None:
+        """Forget what a row has done, because its simulation begins anew."""
+        self.members[row] = False
+
+    def _return(self, row: int) -> None:
+        """Let a simulation be as it was before the last step."""
+        assert self._engine is not None
+        simulation, missed = self._simulations[row], int(self._missed[row])
+        self._engine.give_back(row, missed)
+        simulation.missed(missed)
+        for drive in self._drives.values():
+            drive.give_back(row)
+
+    # -- a step ------------------------------------------------------------------------------
+
+    def run(self, ticks: int, commands: Iterable[Command]) -> NDArray[np.int64]:
+        """Run a step of the members, at whose end all sensors measure.
+
+        Returns:
+            (N,) the numbers of ticks. Members for which it is 0 have left: their simulations are as before the step,
+            and have the commands of the step.
+        """
+        ran = np.zeros(len(self.members), np.int64)
+        rows = np.flatnonzero(self.members)
+        engine = self._engine
+        if engine is None or not len(rows):
+            return ran
+        self._missed[rows] += self._last[rows]
+        self._last[rows] = ticks
+        engine.begin(rows)
+        drives = self._drives.values()
+        for drive in drives:
+            drive.begin(rows)
+        told = [(column, numbers[self.members[numbers]]) for column, numbers, _ in commands]
+        for column, numbers in told:
+            if len(numbers):
+                self._drives[column.name].tell(numbers, column.layout.fields, column.take(numbers))
+        well = np.ones(len(rows), bool)
+        for _ in range(ticks):
+            going = rows if well.all() else rows[well]
+            for drive in drives:
+                drive.act(going, engine.commands)
+            well[well] = engine.run(going)
+        going = rows if well.all() else rows[well]
+        well[well] = engine.place(going)
+        if not well.all():
+            for row in rows[~well].tolist():
+                self.members[row] = False
+                self._return(row)
+                for column, numbers in told:
+                    column.publish(numbers[numbers == row])
+            rows = rows[well]
+        ran[rows] = ticks
+        if len(rows):
+            times = self._origins[rows] + (self._ticks[rows] + self._missed[rows] + ticks) / self._rates[rows]
+            for reading in self._readings:
+                reading.update(rows, engine, times)
+        return ran
+
+
+class _Drive:
+    """The setpoints of an actuator in all rows, (N, J) each: see `morse.core.rows.columns.Setpoints`."""
+
+    def __init__(self, rows: int, setpoints: Setpoints) -> None:
+        self._fields = tuple(setpoints.fields)
+        self._places = {name: place for place, name in enumerate(self._fields)}
+        shape = rows, len(self._fields)
+        self._targets, self._values, self._low, self._high, self._steps = (np.zeros(shape) for _ in range(5))
+        self._targets_before, self._values_before = np.zeros(shape), np.zeros(shape)
+        self._channels = np.zeros(shape, np.intp)
+        self._actuators: list[Actuator | None] = [None] * rows
+
+    def add(self, row: int, actuator: Actuator, setpoints: Setpoints) -> bool:
+        """Take the setpoints of a row; return whether they are numbers of the same joints."""
+        if tuple(setpoints.fields) != self._fields:
+            return False
+        data = actuator.local_data
+        try:
+            self._targets[row] = [float(data[name]) for name in self._fields]
+        except (KeyError, TypeError, ValueError):  # its action tells
+            return False
+        self._values[row], self._steps[row], self._channels[row] = (
+            setpoints.values,
+            setpoints.steps,
+            setpoints.channels,
+        )
+        self._low[row], self._high[row] = zip(*setpoints.bounds, strict=True)
+        self._actuators[row] = actuator
+        return True
+
+    def begin(self, rows: NDArray[np.int64]) -> None:
+        """Begin a step: `give_back` returns to this time."""
+        self._targets_before[rows], self._values_before[rows] = self._targets[rows], self._values[rows]
+
+    def give_back(self, row: int) -> None:
+        """Give the actuator of a row its setpoints from before the last step."""
+        actuator = self._actuators[row]
+        assert actuator is not None
+        actuator.local_data.update(zip(self._fields, self._targets_before[row].tolist(), strict=True))
+        actuator.went_on(self._values_before[row].tolist())
+
+    def tell(self, rows: NDArray[np.intp], fields: Sequence[str], values: NDArray[np.float64]) -> None:
+        """Take commands (M, F) of M rows."""
+        if tuple(fields) == self._fields:
+            self._targets[rows] = values
+        else:
+            self._targets[rows[:, None], [self._places[name] for name in fields]] = values
+
+    def act(self, rows: NDArray[np.int64], commands: NDArray[np.float64]) -> None:
+        """Move the joints toward their setpoints by one tick, and write the commands (N, nu) of their motors."""
+        here, goal = self._values[rows], self._targets[rows]
+        goal = np.where(
+            goal < self._low[rows], self._low[rows], np.where(goal > self._high[rows], self._high[rows], goal)
+        )
+        differs = goal != here
+        if not differs.any():
+            return
+        step, way = self._steps[rows], goal - here
+        # what has no limit goes to its setpoint, so that no infinite number remains
+        new = np.where((-step <= way) & (way <= step), goal, np.where(way > 0.0, here + step, here - step))
+        moves = differs.any(axis=1)
+        self._values[rows[moves]] = new[moves]
+        channels = self._channels[rows]
+        places = np.nonzero(differs & (new != here) & (channels >= 0))
+        commands[rows[places[0]], channels[places]] = new[places]

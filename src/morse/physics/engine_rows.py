@@ -1,0 +1,158 @@
+"""The steps of the engine in many worlds at once, on several threads.
+
+The states of the worlds are rows of one array, with which the engine steps them in one call. The worlds themselves do
+not change meanwhile: `EngineRows.give_back` sets the state from before the last call in a world.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch, SimulationError
+
+from morse.kernel import threads
+from morse.physics.model.limits import RUNAWAY_DISTANCE, RUNAWAY_SPEED
+from morse.physics.model.lowest import lowest_shape
+from morse.physics.poses import kinematics
+from morse.physics.state.engine_values import STATE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.physics.world import World
+
+#: a body that is so far below everything has left the world, which somebody reports, m
+_BELOW = 5.0
+#: share of the limits of positions and speeds; beyond it, the world itself finds out which body diverges
+_NEAR = 0.5
+
+
+class EngineRows:
+    """N worlds with models of the same sizes.
+
+    Args:
+        world: one of them.
+        rows: N.
+
+    Attributes:
+        positions, rotations: (N, K, 3) m, (N, K, 9): poses of the rigid groups, which `place` updates.
+        joints: (N, nq) positions of the joints, as the engine stores them.
+        commands: (N, nu) commands of the motors.
+    """
+
+    def __init__(self, world: World, rows: int) -> None:
+        groups = len(world.positions)
+        self.positions, self.rotations = np.zeros((rows, groups, 3)), np.zeros((rows, groups, 9))
+        self._models = [world.model] * rows
+        self._batch = batch = Batch(world.model, rows, threads.count())
+        self._worlds: list[World | None] = [None] * rows
+        #: model, data and arrays of each world, and where poses are written to
+        self._poses: list[tuple[Any, ...]] = [()] * rows
+        self.joints, self.commands = batch.bind("qpos"), batch.bind("ctrl")
+        self._speeds, self._contacts = batch.bind("qvel"), batch.bind("ncon")
+        self._before = batch.state.copy()
+        self._steps, self._moves = np.zeros(rows, np.int64), np.zeros((rows, groups), bool)
+        self._most, self._lowest = np.zeros(rows, np.int64), np.zeros(rows)
+        #: whether models have changed since the engine has taken note of them
+        self._has_news = True
+
+    def add(self, row: int, world: World) -> bool:
+        """Take the state of a world; return whether nothing but the engine has work in its next ticks."""
+        if not world.only_steps():
+            return False
+        is_new = self._worlds[row] is not world or self._models[row] is not world.model
+        if is_new and not self._fits(row, world):
+            return False
+        self._has_news = True
+        poses = self._poses[row]
+        self.positions[row], self.rotations[row] = world.positions.array, world.rotations.array
+        if self.positions[row, : world.moving, 2].min(initial=np.inf) < self._lowest[row]:
+            return False
+        mujoco.mj_getState(world.model, world.data, self._batch.state[row], STATE)
+        return bool(poses)
+
+    def _fits(self, row: int, world: World) -> bool:
+        """Use another world, or another model of it; return whether its sizes are those of the others."""
+        model, before = world.model, self._models[row]
+        self._worlds[row], self._poses[row] = world, ()
+        if len(world.positions) != self.positions.shape[1]:
+            return False
+        self._models[row] = model
+        try:
+            self._batch.set_models(self._models)
+        except mujoco.FatalError:
+            self._models[row] = before
+            return False
+        bodies, moving = world.engine_rows, world.moving
+        self._poses[row] = (
+            model,
+            world.data,
+            world.data.qpos,
+            world.engine_positions,
+            world.engine_rotations.reshape(-1, 9),
+            self.positions[row, :moving],
+            self.rotations[row, :moving],
+            np.arange(moving) if bodies is None else bodies,
+        )
+        self._steps[row] = world.steps
+        self._moves[row] = np.arange(len(world.positions)) < moving
+        self._most[row], self._lowest[row] = world.most_contacts, lowest_shape(world)[0] - _BELOW
+        return True
+
+    def begin(self, rows: NDArray[np.int64]) -> None:
+        """Begin a call of one or more ticks: `give_back` returns to this time."""
+        if self._has_news:
+            self._batch.set_models(self._models)
+            self._has_news = False
+        self._before[rows] = self._batch.state[rows]
+
+    def run(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Run a tick in some rows.
+
+        Args:
+            rows: their numbers, in ascending order.
+
+        Returns:
+            For each of the rows, whether nothing has happened that the world itself has to deal with.
+        """
+        batch, steps = self._batch, self._steps[rows]
+        for count in set(steps.tolist()):
+            chosen = rows[steps == count]
+            try:
+                batch.step(chosen, count)
+            except SimulationError:
+                batch.warning[chosen, 0, 1] += batch.status[chosen] != 0
+        speeds, places = self._speeds[rows], self.joints[rows]
+        well: NDArray[np.bool_] = np.einsum("ij,ij->i", speeds, speeds) < (_NEAR * RUNAWAY_SPEED) ** 2
+        well &= np.einsum("ij,ij->i", places, places) < (_NEAR * RUNAWAY_DISTANCE) ** 2
+        well &= self._contacts[rows] <= self._most[rows]
+        if batch.warning.any():
+            well &= ~batch.warning[rows, :, 1].any(axis=1)
+            batch.warning[:] = 0
+        return well
+
+    def place(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Compute the poses; return for each of the rows whether no body has fallen out of its world."""
+        for row, joints in zip(rows.tolist(), self.joints[rows], strict=True):
+            model, data, qpos, xpos, xmat, positions, rotations, bodies = self._poses[row]
+            qpos[:] = joints
+            mujoco.mj_kinematics(model, data)
+            xpos.take(bodies, 0, positions, "clip")
+            xmat.take(bodies, 0, rotations, "clip")
+        heights = np.where(self._moves[rows], self.positions[rows, :, 2], np.inf)
+        fallen: NDArray[np.bool_] = heights.min(axis=1, initial=np.inf) < self._lowest[rows]
+        return ~fallen
+
+    def give_back(self, row: int, ticks: int) -> None:
+        """Set the state from before the last call in the world.
+
+        Args:
+            ticks: number of ticks that the world has missed until then.
+        """
+        world = self._worlds[row]
+        assert world is not None
+        mujoco.mj_setState(world.model, world.data, self._before[row], STATE)
+        world.missed(ticks)
+        kinematics.sync(world)

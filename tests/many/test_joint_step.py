@@ -1,0 +1,198 @@
+"""Rows in which motors and the engine alone move something have the bits of single simulations."""
+
+import os
+import sys
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from many_scenes import block
+
+import morse
+from tests.kit.effort import examples
+from tests.kit.programs import python
+
+MODEL = Path(__file__).parent / "spider.xml"
+JOINTS = ("hip_a", "knee_a", "hip_b", "knee_b", "hip_c", "knee_c")
+FIELDS = {"robot.legs.angles": (), "robot.pose": ("x", "z", "roll", "yaw"), "robot.laser": ("range_list",)}
+PLACES = [(0.0, 0.0, 0.0), (0.6, 0.5, 2.0), (-0.4, -0.5, 0.4, 0.3, 0.2, 1.0)]
+
+
+def meadow(control):
+    """A robot with three legs between walls, with sensors that are mounted apart."""
+    from morse.builder import Armature, ArmaturePose, Environment, Pose, Robot, Sick
+
+    robot = Robot(str(MODEL), name="robot")
+    legs, laser, pose = Armature("legs", armature_name="spider_joints"), Sick("laser"), Pose("pose")
+    legs.control(control)
+    legs.properties(RotationSpeed=2.0)
+    legs.append(ArmaturePose("angles"))
+    laser.level("range")
+    laser.properties(scan_window=40, resolution=10)
+    laser.translate(0.05, 0.0, 0.1)
+    pose.translate(0.1, 0.0, 0.05)
+    for part in (legs, laser, pose):
+        robot.append(part)
+    for number, wall in enumerate([(1.5, 0.0, 0.1, 1.5), (-1.5, 0.0, 0.1, 1.5)]):
+        block(f"Wall{number}", *wall)
+    Environment("empty")
+
+
+def stepped_alone(many):
+    """The rows that simulations step by themselves in the next step."""
+    steps, run, simulations = [], morse.Simulation.step, many._simulations
+    try:
+        morse.Simulation.step = lambda self, *a, **k: steps.append(simulations.index(self)) or run(self, *a, **k)
+        many.step(1, measure=True)
+    finally:
+        morse.Simulation.step = run
+    return steps
+
+
+numbers = st.one_of(st.sampled_from([0.0, -0.0, 0.2, 9.0]), st.floats(-3.0, 3.0).map(lambda number: round(number, 2)))
+#: of a row before a step
+acts = st.one_of(
+    *[st.tuples(st.just("move"), st.lists(numbers, min_size=6, max_size=6))] * 3,
+    st.tuples(
+        st.sampled_from(["idle", "place", "restart", "measure", "save", "vary", "again"]), st.sampled_from(PLACES)
+    ),
+)
+steps = st.tuples(acts, acts, acts, st.sampled_from([1, 1, 2, 5, 20]), st.sampled_from([True, True, True, False]))
+
+
+@settings(max_examples=examples(25))
+@given(
+    script=st.lists(steps, min_size=3, max_size=14),
+    control=st.sampled_from(["effort", "position", "velocity"]),
+    fields=st.sampled_from([JOINTS, ("knee_b", "hip_a", "knee_a", "hip_c", "knee_c", "hip_b"), JOINTS[:2]]),
+)
+def test_rows_that_nobody_looks_at(script, control, fields):
+    scene = partial(meadow, control)
+    alone, states = [morse.load(scene, seed=4 + row) for row in range(3)], [None] * 3
+    with morse.batch(scene, 3, seed=4) as many:
+        legs = many.command("robot.legs", *fields)
+        columns = {name: many.read(name, *names) for name, names in FIELDS.items()}
+        commands = [None] * 3
+        for *each, ticks, measure in script:
+            for row, ((kind, value), sim) in enumerate(zip(each, alone, strict=True)):
+                if kind == "move":
+                    legs[row] = commands[row] = value[: len(fields)]
+                elif kind == "place":
+                    many.place(row, "robot", value)
+                    sim.robot.place(value)
+                elif kind == "restart":
+                    many.restart(row)
+                    sim.restart(sim.seed())
+                    commands[row] = None
+                elif kind == "measure":
+                    many.measure(row)
+                    sim.measure()
+                elif kind == "vary":
+                    many.vary("robot", rows=row, mass=3.0 + value[1])
+                    sim.robot.set_mass(3.0 + value[1])
+                elif kind == "save":
+                    states[row] = sim.save()
+                    assert many.save(row)[0].hash() == states[row].hash()
+                elif kind == "again" and states[row] is not None:
+                    many.restore(row, states[row])
+                    sim.restore(states[row])
+                    commands[row] = None
+            many.step(ticks, measure=measure)
+            for row, sim in enumerate(alone):
+                if commands[row]:
+                    sim.robot.legs.publish(dict(zip(fields, commands[row], strict=True)))
+                sim.step(ticks, measure=measure)
+                for name, array in columns.items():
+                    handle = sim.robot.legs.angles if "angles" in name else sim.robot.parts[name.split(".")[1]]
+                    data = handle.data
+                    values = np.hstack([data[field] for field in FIELDS[name] or data])
+                    if len(values) == array.shape[1]:  # a scanner that has not measured yet has no data
+                        assert (array[row] == values).all(), name
+        for row, sim in enumerate(alone):
+            assert many.save(row)[0].hash() == sim.state_hash()
+            for part in ("legs", "pose", "laser"):
+                assert repr(many[row].robot.parts[part].data) == repr(sim.robot.parts[part].data)
+            assert many[row].robot.legs.angles.get_efforts() == sim.robot.legs.angles.get_efforts()
+    for sim in alone:
+        sim.close()
+
+
+def test_rows_are_stepped_together():
+    """Without this, the test above compares nothing."""
+    with morse.batch(partial(meadow, "effort"), 4) as many:
+        legs = many.command("robot.legs")
+        for name, fields in FIELDS.items():
+            many.read(name, *fields)
+        legs[:] = 0.5
+        assert stepped_alone(many) == []
+        many.restart([1])
+        assert stepped_alone(many) == []
+        legs[:] = 0.7
+        many.place([3], "robot", PLACES[1])
+        assert stepped_alone(many) == [3]
+        assert stepped_alone(many) == []
+        simulation = many[2]
+        assert stepped_alone(many) == [2], "somebody may look at it, or give it commands"
+        assert simulation.ticks == 5
+
+
+def test_a_row_that_diverges_is_left_to_its_simulation():
+    def run(seeds):
+        with morse.batch(partial(meadow, "effort"), seed=seeds, rows=len(seeds)) as many:
+            legs, pose = many.command("robot.legs"), many.read("robot.pose", "x", "y", "z")
+            seen = []
+            for number in range(30):
+                legs[:] = np.where(np.array(seeds)[:, None] == 2, 1e6 * (-1.0) ** number, 0.1)
+                many.step(2, measure=True)
+                seen.append(pose.copy())
+            return np.array(seen), [state.hash() for state in many.save()], [one.world.recovered for one in many]
+
+    together, hashes, recovered = run([1, 2, 3])
+    for row, seed in enumerate([1, 2, 3]):
+        alone = run([seed])
+        assert (together[:, row] == alone[0][:, 0]).all()
+        assert hashes[row] == alone[1][0]
+    assert recovered[0] == recovered[2] == 0
+
+
+def test_a_robot_that_falls_out_of_its_world_is_reported(tmp_path):
+    world = tmp_path / "bare.sdf"
+    world.write_text('<sdf version="1.9"><world name="w"><light type="directional" name="sun"/></world></sdf>')
+
+    def abyss():
+        from morse.builder import Armature, Environment, Robot
+
+        robot = Robot(str(MODEL), name="robot")
+        robot.append(Armature("legs", armature_name="spider_joints"))
+        Environment(str(world))
+
+    simulation = morse.load(abyss)
+    with morse.batch(abyss, seed=[simulation.seed()] * 2, rows=2) as many:
+        for _ in range(150):
+            many.step(1, measure=True)
+            simulation.step(1, measure=True)
+        assert [state.hash() for state in many.save()] == [simulation.state_hash()] * 2
+        assert simulation.failures
+        assert [[one.part for one in row] for row in many.failures] == [[one.part for one in simulation.failures]] * 2
+    simulation.close()
+
+
+PROGRAM = """
+from test_joint_step import *
+
+with morse.batch(partial(meadow, 'effort'), 6) as many:
+    legs, pose = many.command('robot.legs'), many.read('robot.pose', 'x', 'y', 'z')
+    for number in range(20):
+        legs[:] = np.sin(np.arange(36).reshape(6, 6) + number)
+        many.step(1, measure=True)
+    print(pose.tobytes().hex(), [state.hash() for state in many.save()])
+"""
+
+
+def test_threads_make_no_difference():
+    paths = os.pathsep.join([str(MODEL.parent), str(MODEL.parents[2]), *sys.path])
+    one, two = (python("-c", PROGRAM, MORSE_THREADS=number, PYTHONPATH=paths) for number in (1, 2))
+    assert one.stdout, one.stderr
+    assert one.stdout == two.stdout
