@@ -18,7 +18,7 @@ from faults import FAULTS, HUGE
 
 import morse
 from morse.builder import Environment, MotionVW, Pose
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.scene import StreamDeclaration
 
 TICKS = 8

@@ -19,8 +19,7 @@ from morse.core.object import Object
 from morse.core.realism import measured
 from morse.core.reports.quoting import closest
 from morse.core.requests import serve
-from morse.core.rows.lazy_data import LazyData, known_data, present_data
-from morse.core.rows.marks import is_on_read, is_overridden
+from morse.core.rows.marks import LazyData, is_on_read, is_overridden, known_data, present_data
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
 from morse.core.streams.functions import publish, waiting

@@ -11,7 +11,7 @@ import numpy as np
 from morse.core.actuator import Actuator, PendingCommands
 from morse.core.declarations import fields_of_component
 from morse.core.reports.quoting import nearest
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.core.validation.fields import spec_of_field
 from morse.core.validation.spec import LARGEST, CommandError
 

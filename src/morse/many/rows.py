@@ -13,7 +13,7 @@ import numpy as np
 from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component
 from morse.core.reports.quoting import nearest
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.core.sensor import Sensor
 from morse.many.fields import CommandColumn, ContactColumn, DataColumn, Layout
 from morse.simulation.handles.component_handles import handle_of

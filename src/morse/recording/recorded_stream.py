@@ -12,7 +12,7 @@ import numpy as np
 from morse.core.kinds import GENERAL, Message, fields_of
 from morse.core.kinds.binding import as_slot
 from morse.core.rows.columns import columns_of
-from morse.core.rows.lazy_data import known_data
+from morse.core.rows.marks import known_data
 from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE

@@ -8,8 +8,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseBuilderError, MorseRPCTypeError
-from morse.core.rows.lazy_data import known_data
-from morse.core.rows.marks import is_overridden
+from morse.core.rows.marks import is_overridden, known_data
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
 from morse.core.status import SUCCESS

@@ -9,7 +9,7 @@ from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator, PendingCommands
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import nearest, short
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.core.services import concurrent_service
 from morse.core.validation.spec import CommandError
 from morse.services.lockstep_services import Steps  # noqa: TC001 (arguments are checked against it)

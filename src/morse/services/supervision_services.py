@@ -14,7 +14,7 @@ from morse.core.mathutils import Quaternion
 from morse.core.object import Object
 from morse.core.reports import log
 from morse.core.reports.quoting import nearest, quoted, short
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.values import JsonObject, Value

@@ -20,7 +20,7 @@ from morse.core.hidden_methods import hidden_methods, laziness, lazy_methods
 from morse.core.kinds import findings_of
 from morse.core.reports.faults import ENDINGS, attribute, describe, is_a, name_of, trace_of
 from morse.core.robot import Robot
-from morse.core.rows.lazy_data import Unclaimed
+from morse.core.rows.marks import Unclaimed
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
 from morse.scene.scene_warnings import about

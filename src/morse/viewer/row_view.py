@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 from morse.core.realism import copied
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.recorded import cast_wished_rays
 from morse.viewer.live_view import View

@@ -9,7 +9,7 @@ import pytest
 from desk import Desk
 
 from morse.core.kinds import KINDS
-from morse.core.kinds.kind import Message
+from morse.core.kinds.table import Message
 from morse.helpers.geodesy import LocalPlane
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotations import rotation_from_quaternion

@@ -21,35 +21,33 @@ component library.
 
 from morse.core.classes.builder_defaults import BuilderDefaults, RobotDefaults, Visual
 from morse.core.declarations.fields import (
+    Computed,
     DataField,
+    Each,
+    Euler,
     KindUse,
     Level,
+    Mapped,
+    Prop,
     Property,
+    Scaled,
     StateVariable,
+    computed,
     data_fields,
+    each,
+    euler,
     fields_of_component,
     kinds,
     levels,
+    mapped,
+    prop,
     properties,
     says_nothing,
+    scaled,
     state_variables,
 )
 from morse.core.declarations.functions import Option, add_data, add_kind, add_level, add_property, add_state
 from morse.core.declarations.refused import FRAMES
-from morse.core.declarations.sources import (
-    Computed,
-    Each,
-    Euler,
-    Mapped,
-    Prop,
-    Scaled,
-    computed,
-    each,
-    euler,
-    mapped,
-    prop,
-    scaled,
-)
 
 __all__ = [
     "FRAMES",

@@ -6,8 +6,7 @@ reader.
 """
 
 from morse.core.kinds.binding import BoundKind, KindError, bind, fields_of, findings_of
-from morse.core.kinds.kind import Kind, Message, Slot
-from morse.core.kinds.table import GENERAL, KINDS
+from morse.core.kinds.table import GENERAL, KINDS, Kind, Message, Slot
 
 __all__ = [
     "GENERAL",

@@ -5,23 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.declarations import fields_of_component, kinds, properties, says_nothing
-from morse.core.declarations.sources import Each
+from morse.core.declarations.fields import Each
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.covariance import covariances
-from morse.core.kinds.kind import ORIENTATION, Message
 from morse.core.kinds.sources import Among, source_of
-from morse.core.kinds.table import GENERAL, PICTURES, kind_named
+from morse.core.kinds.table import GENERAL, ORIENTATION, PICTURES, Message, kind_named
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.reports.quoting import nearest, shown
-from morse.core.rows.lazy_data import known_data
+from morse.core.rows.marks import known_data
 from morse.core.validation.spec import CommandError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from morse.core.declarations import DataField, KindUse
-    from morse.core.kinds.kind import Kind, Slot
     from morse.core.kinds.sources import Source
+    from morse.core.kinds.table import Kind, Slot
     from morse.core.object import Object
     from morse.core.values import Fields, Value
 

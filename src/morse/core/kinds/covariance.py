@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.declarations import DataField
-    from morse.core.kinds.kind import Kind, Slot
     from morse.core.kinds.sources import DataOwner
+    from morse.core.kinds.table import Kind, Slot
     from morse.core.object import Object
     from morse.core.values import Fields, Value
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Protocol
 
-from morse.core.declarations.sources import Computed, Euler, Mapped, Prop, Scaled
+from morse.core.declarations.fields import Computed, Euler, Mapped, Prop, Scaled
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.turning import angles_of, normalized, quaternion_of
 from morse.core.reports.quoting import closest, nearest, shown
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
 
     from morse.core.declarations import DataField
-    from morse.core.kinds.kind import Slot
+    from morse.core.kinds.table import Slot
     from morse.core.object import Object
     from morse.core.values import Fields
 

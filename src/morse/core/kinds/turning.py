@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.core.kinds.kind import ORIENTATION, POINT
+from morse.core.kinds.table import ORIENTATION, POINT
 from morse.mathutils.rotations import (
     both_eulers,
     nine,

@@ -13,7 +13,7 @@ import numpy as np
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
-from morse.core.rows.lazy_data import known_data
+from morse.core.rows.marks import known_data
 from morse.recording.made import form
 from morse.scene.scene import Settings
 

@@ -10,7 +10,7 @@ from morse.core.actuator import Actuator, PendingCommands
 from morse.core.image_colors import is_picture
 from morse.core.realism import copied
 from morse.core.reports.quoting import nearest
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.core.sensor import Sensor
 from morse.core.validation.spec import CommandError
 

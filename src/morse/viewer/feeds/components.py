@@ -13,7 +13,7 @@ from morse.builder.names.catalog import modifier_classes
 from morse.core.actuator import Actuator
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component, levels, properties
-from morse.core.rows.lazy_data import known_data, present_data
+from morse.core.rows.marks import known_data, present_data
 from morse.core.services import signature_of
 from morse.middleware.registry import installed
 from morse.viewer.description import (
