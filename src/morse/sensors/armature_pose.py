@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.declarations import BuilderDefaults, DataField
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import nearest, shown
-from morse.core.rows.lazy_data import present_data
+from morse.core.rows.marks import present_data
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.values import Fields, Value
