@@ -2,88 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from editor_desk import MODELS, SCENE, Desk
 from view_pages import Client, fetch
 from websockets.exceptions import InvalidStatus
 
 import morse
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
-from morse.simulation.simulation import Simulation
 from morse.viewer.catalog import Catalog
 from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
-
-
-SCENE = """from morse.builder import *
-
-# my robot
-robot = ATRV()
-robot.translate(1.0, 2.0)  # by the door
-
-env = Environment("empty")
-"""
-MODELS = [
-    {"kind": "Morsy", "name": "Morsy", "group": "robots"},
-    {"kind": "VideoCamera", "name": "VideoCamera", "group": "sensors"},
-    {"kind": "MotionVW", "name": "MotionVW", "group": "actuators"},
-    {"kind": "IMU", "name": "IMU", "group": "sensors"},
-    {"kind": "props/crates#small_crate", "name": "small crate", "group": "crates"},
-]
-
-
-class Desk:
-    """A page that asks the editor, and the simulation that answers between its ticks."""
-
-    def __init__(self, simulation: Simulation, client: Client) -> None:
-        self.simulation = simulation
-        self._client = client
-        self._requests = 0
-
-    def ask(self, kind: str, **fields: Any) -> dict[str, Any]:
-        """The answer to a request."""
-        self._requests += 1
-        self._client.send(kind, request=self._requests, **fields)
-        return self._wait("answer", request=self._requests)
-
-    def do(self, kind: str, **fields: Any) -> Any:
-        """The value of the answer to a request that has to succeed."""
-        answer = self.ask(kind, **fields)
-        assert answer["ok"], answer
-        return answer["value"]
-
-    def models(self) -> list[dict[str, str]]:
-        """The models that can be added."""
-        self._client.send("list_models")
-        models: list[dict[str, str]] = self._wait("models")["models"]
-        return models
-
-    def names(self) -> set[str]:
-        """The root objects of the scene."""
-        return {root.name for root in self.simulation.scene.roots}
-
-    def unsaved(self, count: int) -> None:
-        """Wait until the page knows this number of changes that are not saved."""
-        self._wait("scene_changes", count=count)
-
-    def _wait(self, message_type: str, **fields: Any) -> dict[str, Any]:
-        def arrived() -> dict[str, Any] | None:
-            self.simulation.step(1)
-            with contextlib.suppress(TimeoutError):
-                self._client.receive(timeout=0.01)
-            fits = (m for m in self._client.messages if m["type"] == message_type and fields.items() <= m.items())
-            return next(fits, None)
-
-        message: dict[str, Any] = wait_until(arrived, message_type)
-        self._client.messages.remove(message)
-        return message
 
 
 @pytest.fixture
@@ -469,3 +404,69 @@ def test_a_model_is_dragged_into_the_world_and_saved(
     shown("document.querySelector('dialog.save .added')?.checkVisibility()")
     page.locator("dialog.save").get_by_role("button", name="save", exact=True).click()
     wait_until(lambda: (simulation.step(1), "morsy = Morsy()" in (tmp_path / "scene.py").read_text())[1], "the script")
+
+
+PARTS = [
+    {"kind": "Morsy", "name": "Morsy", "group": "robots"},
+    {"kind": "IMU", "name": "IMU", "group": "sensors", "doc": "An inertial measurement unit"},
+    {"kind": "Pose", "name": "Pose", "group": "sensors", "doc": "The full pose", "words": "position where"},
+    {"kind": "MotionVW", "name": "MotionVW", "group": "actuators", "words": "drive wheels steer"},
+    {"kind": "props/crates#small_crate", "name": "small crate", "group": "crates"},
+    {"kind": "props/crates#large_crate", "name": "large crate", "group": "crates"},
+]
+
+
+def test_a_robot_is_built_from_nothing_driven_saved_and_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, open_page: Callable[..., Page]
+) -> None:
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(PARTS))
+    script = tmp_path / "scene.py"
+    script.write_text('from morse.builder import *\n\nenv = Environment("empty")\n')
+    with morse.load(script, view="web") as simulation:
+        page = open_page(simulation.view.url, width=1000, height=700)
+
+        def shown(condition: str) -> None:
+            wait_until(lambda: (simulation.step(1), page.evaluate(f"Boolean({condition})"))[1], condition)
+
+        def add(words: str, kind: str, name: str) -> None:
+            page.get_by_role("searchbox", name="find a model").fill(words)
+            shown(f"document.querySelectorAll('.model').length && document.querySelector('[data-kind=\"{kind}\"]')")
+            page.locator(f'[data-kind="{kind}"]').first.press("Enter")
+            shown(f"morse.components.selected.value === '{name}'")
+
+        shown("morse.stage.world && morse.seat.drives.value && !morse.panels.editor.element.hidden")
+        page.get_by_role("button", name="add", exact=True).click()
+        add("morsy", "Morsy", "morsy")
+        add("drive", "MotionVW", "morsy.motion_vw")
+        add("imu", "IMU", "morsy.imu")
+        add("where", "Pose", "morsy.pose")
+        for number, name in enumerate(["small_crate", "large_crate", "small_crate_2"]):
+            add("crate", f"props/crates#{'large' if number == 1 else 'small'}_crate", name)
+            # not into each other
+            place = {"node": name, "position": [4, 2.0 * number - 2, 0.5], "quaternion": [1, 0, 0, 0], "first": True}
+            page.evaluate("(place) => void morse.connection.request({type: 'teleport', ...place})", place)
+        # it is driven by the field of its actuator, and its sensor says so
+        page.evaluate("morse.components.selected.set('morsy.motion_vw')")
+        speed = page.locator("table.commands").get_by_label("v", exact=True)
+        wait_until(lambda: (simulation.step(1), speed.count())[1], "the field of the speed")
+        speed.fill("1")
+        speed.press("Enter")
+        x = simulation.context.components["morsy.pose"].bge_object.worldPosition.x
+        wait_until(
+            lambda: (
+                simulation.step(5),
+                simulation.context.components["morsy.pose"].bge_object.worldPosition.x > x + 0.5,
+            )[1],
+            "it drives",
+        )
+        page.evaluate("morse.components.selected.set('morsy.pose')")
+        shown(f"Number(morse.components.valuesOf('morsy.pose')?.data.x) > {x + 0.5}")
+        page.locator("button.save").click()
+        shown("document.querySelector('dialog.save .added')?.checkVisibility()")
+        page.locator("dialog.save").get_by_role("button", name="save", exact=True).click()
+        wait_until(lambda: (simulation.step(1), "MotionVW" in script.read_text())[1], "the script")
+        here = {root.name for root in simulation.scene.roots}, set(simulation.context.components)
+        with morse.load(script) as again:
+            assert ({root.name for root in again.scene.roots}, set(again.context.components)) == here
+        assert here[1] == {"morsy.motion_vw", "morsy.imu", "morsy.pose"}
+        assert {"small_crate", "large_crate", "small_crate_2"} <= here[0]

@@ -15,6 +15,7 @@ from morse.builder.assembly.spawning import call_text, component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.source import Source
 from morse.builder.editing.writing import variable_name
+from morse.builder.names.part import Strength
 from morse.builder.names.project_files import source_folders
 from morse.builder.script import describing
 from morse.core.clients.complaints import Complaints
@@ -158,17 +159,17 @@ class Editor:
         if group is None:
             raise MorseError(f"there is no model '{event.model}' in the list")
         name = variable_name(event.model, self._names())
-        position, angles, lowest = self._own_pose(event.model)
+        position, angles, lowest, is_named = self._own_pose(event.model)
         if group in ("sensors", "actuators"):
             self._check_carrier(event.robot)
             usual = self._usual_place(event.robot, group)
             place = _rounded(usual if event.position is None else event.position, 2)
-            addition = Addition(name, event.model, place, angles, event.robot, position, angles)
+            addition = Addition(name, event.model, place, angles, event.robot, position, angles, is_named)
         else:
             x, y, z = event.position or (0.0, 0.0, 0.0)
             place = _rounded((x, y, z - lowest), 2)
             angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
-            addition = Addition(name, event.model, place, angles_now, "", position, angles)
+            addition = Addition(name, event.model, place, angles_now, "", position, angles, is_named)
         return self._add_together([addition])
 
     def _add_together(self, additions: Sequence[Addition]) -> str:
@@ -241,14 +242,15 @@ class Editor:
         except UnwritableError:
             return names
 
-    def _own_pose(self, kind: str) -> tuple[Triple, Triple, float]:
-        """The pose that the builder gives to a model, and its lowest point over its origin, m."""
+    def _own_pose(self, kind: str) -> tuple[Triple, Triple, float, bool]:
+        """The pose that the builder gives to a model, its lowest point over its origin, m, and whether it names it."""
         scene = self._simulation.scene
         with scene.project, describing(scene.resource_paths), workspace.described():
             part = component_of(kind)
             corners = visible_extent(part.scene_node)
             position, angles = _triple(part.location), _triple(part.rotation_euler)
-        return position, angles, 0.0 if corners is None else float(corners[0][2]) - position[2]
+            is_named = part.name_strength is Strength.GIVEN
+        return position, angles, 0.0 if corners is None else float(corners[0][2]) - position[2], is_named
 
     def _spawn(self, addition: Addition) -> None:
         name = addition.scene_name

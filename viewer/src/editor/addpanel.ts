@@ -7,13 +7,13 @@ import { draggable } from "./dragging";
 
 const TOUCH = matchMedia("(pointer: coarse)").matches;
 const HINT = TOUCH
-  ? "Tap a model to put it in the middle of the view, or drag it sideways into the world. Sensors and actuators go to the selected robot, or onto that to which you drag them."
-  : "Drag into the world, or press to put it in the middle of the view. Sensors and actuators go to the selected robot, or onto that to which you drag them.";
+  ? "Tap a model, or drag it sideways into the world. Sensors and actuators go onto the selected robot, or where you drop them."
+  : "Press a model, or drag it into the world. Sensors and actuators go onto the selected robot, or where you drop them.";
 const FAVOURITES = "morse.favourites";
 
 /** A name that may be broken between its words: Localized·PR2, Depth·Camera. */
 function inParts(name: string): (string | HTMLElement)[] {
-  return name.split(/(?<=[a-z])(?=[A-Z])|(?<=_)/).flatMap((part, i) => (i > 0 ? [h("wbr", {}), part] : [part]));
+  return name.split(/(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=_)/).flatMap((part, i) => (i > 0 ? [h("wbr", {}), part] : [part]));
 }
 
 /** How well a model fits a word that somebody looks for: its name first, then its words, then what it is. */

@@ -2,6 +2,7 @@ import type { Connection } from "../connection/connection";
 import type { ComponentSettings, PropertyDescription, SettingDescription } from "../generated/protocol";
 import type { Field } from "../panels/field";
 import { makeField, read } from "../panels/field";
+import { write } from "../panels/values";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { unitText } from "../ui/units";
@@ -38,9 +39,9 @@ export class SettingsPanel {
 
   /** One that is set once: its fields, and a button. */
   private form(setting: SettingDescription, isOwn: boolean): HTMLElement {
-    const fields = setting.arguments.map((argument) => makeField({ ...argument, name: argument.name || setting.method }, argument.value));
+    const fields = setting.arguments.map((argument) => makeField({ ...argument, name: labelOf(setting, argument) }, argument.value));
     const apply = (): void => void this.configure(setting, fields, false);
-    const rows = setting.arguments.map((argument, i) => row(argument.name || setting.method, argument, fields[i] as Field));
+    const rows = setting.arguments.map((argument, i) => row(labelOf(setting, argument), argument, fields[i] as Field));
     const back = isOwn ? iconButton(icons.undo, `Take ${setting.method} back`, () => void this.configure(setting, [], true)) : null;
     if (setting.arguments.length === 1) {
       fields[0]?.addEventListener("change", apply);
@@ -78,9 +79,10 @@ export class SettingsPanel {
   private async configure(setting: SettingDescription, fields: Field[], remove: boolean): Promise<void> {
     const values: Record<string, unknown> = setting.name === "" ? {} : { "": setting.name };
     setting.arguments.forEach((argument, i) => {
-      const value = fields[i] && read(fields[i], argument.type);
+      const field = fields[i];
       // what is as it would be without the argument is not written
-      if (argument.name === "" || (value !== undefined && value !== "" && JSON.stringify(value) !== JSON.stringify(argument.value))) values[argument.name] = value;
+      const isDefault = field instanceof HTMLInputElement && field.type === "checkbox" ? field.checked === argument.value : field?.value === write(argument.value);
+      if (field && (setting.arguments.length === 1 || !isDefault)) values[setting.name === "" && setting.arguments.length === 1 ? "" : argument.name] = read(field, argument.type);
     });
     const { component } = this;
     const answer = await this.connection.request({ type: "configure", component, method: setting.method, values, remove });
@@ -88,6 +90,11 @@ export class SettingsPanel {
     this.error.textContent = answer.error;
     if (answer.ok && component === this.component) this.connection.send({ type: "list_settings", component });
   }
+}
+
+/** The only argument of a method needs no name of its own. */
+function labelOf(setting: SettingDescription, argument: PropertyDescription): string {
+  return setting.arguments.length === 1 ? setting.method : argument.name;
 }
 
 function row(name: string, argument: PropertyDescription, field: Field): HTMLElement {

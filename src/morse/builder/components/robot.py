@@ -268,8 +268,10 @@ class WheeledRobot(Robot):
         height = self.property_value("RideHeight") or 0.0
         if isinstance(height, (int, float)) and math.isfinite(height):
             self.scene_node.location[2] += height
+            # of the model: wheel encoders, for example, stay where the script has put them
+            own = {*self.own_nodes()}
             for node in self.scene_node.children:
-                if any(word in node.plain_name.lower() for word in _BELOW_THE_BODY):
+                if node in own and any(word in node.plain_name.lower() for word in _BELOW_THE_BODY):
                     node.location[2] -= height
 
     def wheels(self) -> list[Node]:

@@ -19,6 +19,7 @@ class Addition:
         angles: Euler angles XYZ, rad.
         robot: name of the robot of a component; empty for others.
         own_position, own_angles: the pose that the builder gives to such an object.
+        has_own_name: whether the builder gives such an object a name, so that it is not called as its variable.
         calls: of its methods, as text: ``frequency(10)``.
     """
 
@@ -29,6 +30,7 @@ class Addition:
     robot: str = ""
     own_position: Triple = (0.0, 0.0, 0.0)
     own_angles: Triple = (0.0, 0.0, 0.0)
+    has_own_name: bool = False
     calls: tuple[str, ...] = ()
 
     @property

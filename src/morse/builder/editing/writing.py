@@ -95,6 +95,8 @@ def _lines_of(source: Source, addition: Addition, robots: dict[str, str]) -> lis
     if _class_of(kind) == "PassiveObject":
         arguments = _quoted(source, file) + (f", object_name={_quoted(source, part)}" if part else "")
     lines = [f"{name} = {_class_of(kind)}({arguments})"]
+    if addition.has_own_name:
+        lines.append(f"{name}.name = {_quoted(source, name)}")
     shift = [new - old for new, old in zip(addition.position, addition.own_position, strict=True)]
     turn = [new - old for new, old in zip(addition.angles, addition.own_angles, strict=True)]
     lines += [*_call(name, "translate", shift), *_call(name, "rotate", turn)]

@@ -16,6 +16,7 @@ from morse.core.declarations import fields_of_component, levels, properties
 from morse.core.rows.marks import known_data, present_data
 from morse.core.services import signature_of
 from morse.middleware.registry import installed
+from morse.scene.realism import RealismModel
 from morse.viewer.description import (
     ArgumentDescription,
     ComponentDescription,
@@ -148,7 +149,10 @@ def settings_of(
         level = PropertyDescription("", "str", doc, component.level, [*choices])
         settings.append(SettingDescription("level", "", "level of abstraction", [level]))
     if declaration.kind == "sensor":
-        settings += [_realism(method) for method in _REALISM]
+        realism = declaration.options.get("realism")
+        settings += [
+            _realism(method, realism if isinstance(realism, RealismModel) else RealismModel()) for method in _REALISM
+        ]
     names = {base.__name__ for base in cls.__mro__}
     modifiers = {
         modifier: next(path for base, path in classes.items() if base in names)
@@ -170,15 +174,20 @@ def settings_of(
     return ComponentSettings(name, settings, mine, [one for one in scripted if one not in mine])
 
 
-def _realism(method: str) -> SettingDescription:
+def _realism(method: str, present: RealismModel) -> SettingDescription:
+    """A method of the builder that sets ``present``."""
     function = getattr(SensorCreator, method)
+    value = getattr(present, method)
     arguments = [
         PropertyDescription(
-            p.name, "str" if p.name == "field" else "float", value=None if p.default is p.empty else p.default,
+            p.name,
+            "str" if p.name == "field" else "float",
+            "a data field; empty for all" if p.name == "field" else "",
+            value if p.default is p.empty else "" if p.default is None else p.default,
             unit=_UNITS.get(p.name, ""),
         )
         for p in list(inspect.signature(function).parameters.values())[1:]
-    ]  # fmt: skip
+    ]
     return SettingDescription(method, "", (inspect.getdoc(function) or "").partition("\n")[0], arguments)
 
 

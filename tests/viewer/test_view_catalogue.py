@@ -1,0 +1,122 @@
+"""Every component of the catalogue is added in the page, works at once, is saved, and is there after a load."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from editor_desk import Desk
+from view_pages import Client
+
+import morse
+from morse.launch.model_pictures import Model, models
+from morse.viewer.catalog import Catalog
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from morse.core.interfaces import Component
+    from morse.simulation.simulation import Simulation
+
+SCENE = """from morse.builder import *
+
+car = ATRV()
+wheeled = Pioneer3DX()
+wheeled.translate(0, 4)
+person = Human()
+person.translate(0, 8)
+
+env = Environment("empty")
+env.properties(latitude=45.0, longitude=5.0, altitude=200.0)
+"""
+ROBOTS = ("car", "wheeled", "person")
+#: components that are parts of another one, need arguments or see too much for a client, and what the page says
+ELSEWHERE = {
+    "Armature": "needs an armature",
+    "ArmaturePose": "append it to an armature",
+    "PTUPosture": "append it to a pan-tilt unit",
+    "VLP16_180": "the scene script may set more",
+}
+#: sensors that say something only now and then
+SILENT = {"Collision"}
+#: components that are added before the scene is saved; all cameras together would be more than the budget
+TOGETHER = 6
+
+
+def component_of(simulation: Simulation, name: str) -> Component:
+    return simulation.context.components[name]
+
+
+def added(desk: Desk, model: Model) -> str | None:
+    """The name of a component on the first robot that can carry it."""
+    answers = []
+    for robot in ROBOTS:
+        answers.append(answer := desk.ask("add_model", model=model.kind, robot=robot))
+        if answer["ok"]:
+            return str(answer["value"])
+    assert ELSEWHERE[model.name] in answers[0]["error"]
+    return None
+
+
+@pytest.mark.long
+def test_every_component_works_at_once_is_saved_and_loaded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    catalogue = [model for model in models() if model.group in ("sensors", "actuators")]
+    assert len(catalogue) > 80
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take([model._asdict() for model in catalogue]))
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE)
+    refused = set()
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        before = set(simulation.context.components)
+        for begin in range(0, len(catalogue), TOGETHER):
+            names = {}
+            for model in catalogue[begin : begin + TOGETHER]:
+                if (name := added(desk, model)) is None:
+                    refused.add(model.name)
+                else:
+                    names[name] = model
+            simulation.step(10, measure=[one for one, model in names.items() if model.group == "sensors"])
+            for name, model in names.items():
+                component = component_of(simulation, name)
+                assert component.active
+                if model.group == "sensors" and model.name not in SILENT:
+                    assert component.local_data["timestamp"] == pytest.approx(simulation.clock.time, abs=0.02), name
+            assert simulation.failures == ()
+            desk.do("save_scene", write=True)
+            with morse.load(script) as again:
+                assert set(again.context.components) == set(simulation.context.components)
+                for name in names:
+                    here, there = component_of(simulation, name), component_of(again, name)
+                    assert type(here) is type(there)
+                    nodes = [one.scene.find(name) for one in (simulation, again)]
+                    assert nodes[0] is not None
+                    assert nodes[1] is not None
+                    assert [*nodes[1].location] == pytest.approx([*nodes[0].location], abs=1e-4)
+                    assert [*nodes[1].rotation_euler] == pytest.approx([*nodes[0].rotation_euler], abs=1e-3)
+            for _ in names:
+                desk.do("undo_change")
+            assert set(simulation.context.components) == before
+    assert refused == set(ELSEWHERE)
+
+
+def test_a_page_that_adds_without_end_has_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = Model("Pose", "Pose", "sensors")
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take([model._asdict()]))
+    monkeypatch.setattr("morse.viewer.editor._MOST_CHANGES", 8)
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE)
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        for _ in range(7):
+            desk.do("add_model", model="Pose", robot="car")
+        desk.do("configure", component="car.pose", method="frequency", values={"": 10})
+        desk.do("add_model", model="Pose", robot="car")
+        answer = desk.ask("add_model", model="Pose", robot="car")
+        assert not answer["ok"]
+        assert "save and reload" in answer["error"]
+        assert len([one for one in simulation.context.components if one.startswith("car.")]) == 8
