@@ -1,6 +1,7 @@
 """The example that learns to drive: its gradients, its mirror, a short run, and at night the whole of it."""
 
 import importlib.util
+import json
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
@@ -82,3 +83,70 @@ def test_three_robots_learn_not_to_meet(example, monkeypatch):
 @pytest.mark.slow
 def test_it_learns_to_drive_in_new_arenas(example):
     assert example.main([]) >= 0.85
+
+
+# -- the example that learns to walk: the weights that ship, a short search, and at night the whole of it
+
+FOLDER = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture(scope="module")
+def learn_to_walk_example():
+    sys.path.insert(0, str(FOLDER))
+    try:
+        spec = importlib.util.spec_from_file_location("learn_to_walk", FOLDER / "learn_to_walk.py")
+        module = sys.modules["learn_to_walk"] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        yield module
+    finally:
+        sys.path.remove(str(FOLDER))
+        for name in ("learn_to_walk", "learn_to_drive"):
+            sys.modules.pop(name, None)
+
+
+def test_the_weights_that_ship_walk_over_ground_they_have_not_seen(learn_to_walk_example):
+    weights = np.array(json.loads(learn_to_walk_example.WEIGHTS.read_text()))
+    way, up = learn_to_walk_example.judge(weights, layouts=range(2000, 2006), seed=77)
+    assert up.all()
+    # in six seconds
+    assert way.mean() > 3.0
+    assert way.min() > 1.5
+
+
+def test_without_weights_it_stands(learn_to_walk_example):
+    way, up = learn_to_walk_example.judge(
+        np.zeros((learn_to_walk_example.OUTPUTS, learn_to_walk_example.INPUTS)), layouts=range(2000, 2002)
+    )
+    assert up.all()
+    assert np.abs(way).max() < 0.2
+
+
+def test_the_legs_of_both_sides_do_the_same_in_the_mirror(learn_to_walk_example):
+    rng = np.random.default_rng(5)
+    weights, seen = (
+        rng.standard_normal((learn_to_walk_example.OUTPUTS, learn_to_walk_example.INPUTS)),
+        rng.standard_normal((3, 8)),
+    )
+    chosen, mirrored = (
+        learn_to_walk_example.actions(weights, seen),
+        learn_to_walk_example.actions(weights, seen * learn_to_walk_example.MIRROR),
+    )
+    assert chosen[:, 0::2] == pytest.approx(mirrored[:, 1::2])
+
+
+def test_a_short_search(learn_to_walk_example, monkeypatch):
+    monkeypatch.setattr(learn_to_walk_example, "ROWS", 4)
+    monkeypatch.setattr(learn_to_walk_example, "WORKERS", 0)
+    monkeypatch.setattr(learn_to_walk_example, "LENGTH", 5)
+    weights, curve = learn_to_walk_example.train(rounds=2, tell=print)
+    assert [row[0] for row in curve] == [20, 40]
+    assert np.abs(weights).max() > 0.0
+    ElementTree.fromstring(learn_to_walk_example.learn_to_drive.picture(curve, 0.5))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_it_learns_to_walk(learn_to_walk_example, tmp_path):
+    way, up = learn_to_walk_example.main(["--learn", "--weights", str(tmp_path / "weights.json")])
+    assert way.mean() > 2.5
+    assert up.mean() >= 0.8

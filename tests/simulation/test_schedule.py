@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 import morse
 from morse.builder import ATRV, Environment, MotionVW
 from morse.simulation.ticks.ticking import Schedule
+from tests.kit.programs import python
 
 
 def phase_of(component):
@@ -132,3 +134,25 @@ def test_one_wrong_command_stops_nobody_else(wrong):
         simulation.step(40)
         for number in (0, 1, 3):
             assert components[f"r{number}.pose"].local_data["x"] - before[number] == pytest.approx(0.33, abs=0.1)
+
+
+# -- threads of executors that have nothing to do do not hold up the end of a process, and are not reported
+
+PROGRAM = """
+import logging, sys
+from concurrent.futures import ThreadPoolExecutor
+logging.basicConfig(stream=sys.stdout, format="%(message)s")
+from morse.simulation.ending import threads_left
+pool = ThreadPoolExecutor(2, thread_name_prefix="idle")
+pool.submit(print, "worked").result()
+threads_left(7, sys.exit, limit=60.0)
+print("ended")
+"""
+
+
+def test_idle_workers_end() -> None:
+    begin = time.monotonic()
+    ran = python("-c", PROGRAM)
+    assert (ran.returncode, ran.stdout.split()) == (0, ["worked", "ended"]), ran.stdout + ran.stderr
+    # the limit, for which a thread that does not end is waited for
+    assert time.monotonic() - begin < 60.0

@@ -1,7 +1,9 @@
 """ROS 1, with a real master and a real node of rospy in another process."""
 
 import json
+import logging
 import math
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,7 +14,12 @@ import pytest
 from master import environment, master, need_ros, run, simulation
 
 import morse
-from morse.core.exceptions import MorseError
+from morse.core.exceptions import MorseError, MorseMiddlewareError
+from morse.core.mathutils import Quaternion
+from morse.plugins.ros.mapping import MIDDLEWARE
+from morse.plugins.ros.node import stay_on_this_machine
+from morse.plugins.ros.overlays import action_type
+from morse.plugins.ros.variants import as_lisp, class_path
 from tests.kit.programs import free_port
 
 HERE = Path(__file__).parent
@@ -183,3 +190,145 @@ def test_a_new_master_knows_the_topics() -> None:
             peer.kill()
     assert out == "True True\n", log
     assert "was started again" in log
+
+
+# -- on which networks the node of rospy listens; rospy itself need not be installed ---------------
+
+
+@pytest.mark.parametrize(
+    "master",
+    [
+        None,
+        "http://localhost:11311",
+        "http://127.0.0.1:11311/",
+        "http://[::1]:11311",
+        f"http://{socket.gethostname()}:1",
+    ],
+)
+def test_a_node_of_a_local_master_listens_on_the_loopback_interface(master: str | None) -> None:
+    variables = {} if master is None else {"ROS_MASTER_URI": master}
+    stay_on_this_machine(variables)
+    assert variables["ROS_IP"] == "127.0.0.1"
+
+
+@pytest.mark.parametrize("name", ["ROS_IP", "ROS_HOSTNAME"])
+def test_an_address_that_the_user_has_chosen_stays(name: str) -> None:
+    variables = {name: "192.0.2.7"}
+    stay_on_this_machine(variables)
+    assert variables == {name: "192.0.2.7"}
+
+
+def test_a_remote_master_is_a_warning(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.WARNING)
+    variables = {"ROS_MASTER_URI": "http://192.0.2.1:11311"}
+    stay_on_this_machine(variables)
+    assert "ROS_IP" not in variables
+    assert "192.0.2.1" in caplog.text
+
+
+# -- class paths of ROS 1 that need no master ------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("given", "used"),
+    [
+        ("morse.middleware.ros.pose.TFPublisher", "morse.plugins.ros.variants.TFPublisher"),
+        ("morse.middleware.ros.waypoint2D.Pose2DReader", "morse.plugins.ros.variants.Pose2DReader"),
+        ("morse.middleware.ros.imu.ImuPublisher", MIDDLEWARE.default_publisher),
+        ("my_lab.streams.TFPublisher", "my_lab.streams.TFPublisher"),
+    ],
+)
+def test_streams_have_the_class_paths_of_1_4(given, used):
+    assert class_path(given, "robot.pose") == used
+
+
+def test_an_unknown_class_is_reported(caplog):
+    assert class_path("morse.middleware.ros.pose.Posse", "robot.pose") == MIDDLEWARE.default_publisher
+    assert "there is no class morse.middleware.ros.pose.Posse: robot.pose uses its usual messages" in caplog.text
+
+
+def test_a_missing_package_of_messages_is_named():
+    with pytest.raises(MorseMiddlewareError, match="sudo apt install ros-noetic-no-such-msgs"):
+        action_type("AnyAction", "no_such_msgs")
+
+
+# -- recognised objects in the format of Lisp ------------------------------------------------------
+
+
+def _seen(name, description="", position=(1.0, 2.0, 0.5)):
+    return {
+        "name": name,
+        "description": description,
+        "type": "",
+        "position": list(position),
+        "orientation": Quaternion((0.5, -0.5, 0.5, -0.5)),
+    }
+
+
+def test_the_class_path_of_1_4_is_known():
+    path = class_path("morse.middleware.ros.semantic_camera.SemanticCameraPublisherLisp", "robot.camera")
+    assert path == "morse.plugins.ros.variants.SemanticCameraPublisherLisp"
+
+
+def test_an_object_is_a_list_of_name_description_position_and_quaternion():
+    assert as_lisp([_seen("RedBox", "crate")]) == "((RedBox crate 1.0 2.0 0.5 -0.5 0.5 -0.5 0.5))"
+
+
+def test_an_object_without_a_description_and_an_empty_list():
+    assert as_lisp([_seen("RedBox"), _seen("B")]).count(" - ") == 2
+    assert as_lisp([]) == "()"
+
+
+@pytest.mark.parametrize(
+    ("name", "atom"),
+    [
+        ("Red Box", '"Red Box"'),
+        ('a "b" (c)', '"a \\"b\\" (c)"'),
+        ("back\\slash", '"back\\\\slash"'),
+        ("12", '"12"'),
+        ("Box.001", "Box.001"),
+    ],
+)
+def test_names_that_are_no_symbols_are_quoted(name, atom):
+    assert as_lisp([_seen(name)]).startswith(f"(({atom} - ")
+
+
+# -- what nodes written for MORSE 1.4 expect on ROS 1: joints of a PR2, ranges, the action server --
+
+ROS1_FACTS_SCENE = """
+from morse.builder import *
+robot = ATRV()
+scan = Hokuyo("scan"); scan.translate(z=1.0); robot.append(scan); scan.add_stream("ros")
+waypoint = Waypoint(); robot.append(waypoint)
+waypoint.add_overlay("ros", "morse.middleware.ros.overlays.waypoints.WayPoint")
+pr2 = BasePR2(); pr2.translate(x=-5); pr2.add_interface("ros")
+place = Pose("place"); place.translate(0.1, 0.2, 0.3); robot.append(place)
+place.add_stream("ros", "morse.middleware.ros.static_tf.StaticTFPublisher")
+mast = Pose("mast"); mast.translate(z=1.0); robot.append(mast)
+mast.add_stream("ros", "morse.middleware.ros.static_tf.StaticTF2Publisher")
+env = Environment("empty", fastmode=True)
+env.add_service("ros")
+"""
+
+
+def test_joints_ranges_and_actions(tmp_path: Path) -> None:
+    need_ros()
+    scene = tmp_path / "scene.py"
+    scene.write_text(ROS1_FACTS_SCENE)
+    with master() as uri, simulation(scene, uri):
+        said = json.loads(run(Path(__file__).parent / "facts_peer.py", uri))
+    assert said["answers"]
+    # the joints of casters, grippers, the tilting laser and the screw of the torso are not measured
+    assert len(set(said["names"])) == len(said["positions"]) == 45
+    positions = dict(zip(said["names"], said["positions"], strict=True))
+    names = ("fl_caster_rotation_joint", "laser_tilt_mount_joint", "torso_lift_motor_screw_joint", "l_gripper_joint")
+    assert [positions[name] for name in names] == [0.0] * 4
+    assert {"head_pan_joint", "l_wrist_roll_joint", "r_wrist_roll_joint"} <= set(said["names"])
+    assert said["scan"] == [30.0, 30.0, 30.0]
+    assert said["tf"] == "tf2_msgs/TFMessage"
+    assert said["mast"] == [["base_link", "/robot/mast", pytest.approx([0.0, 0.0, 1.0])]]
+    first, second = said["place"]
+    assert first[:2] == ["base_link", "/robot/place"]
+    assert first[2] == pytest.approx([0.1, 0.2, 0.3])
+    assert second[3] - first[3] == pytest.approx(1.0, abs=1e-6)
+    assert said["ahead"] == pytest.approx(1.0, abs=0.5)
