@@ -10,7 +10,9 @@ import time
 
 import pytest
 from victims import Victim
-from wire import HZ, Footprint, Line, Witness
+from wire import HZ, Footprint, Witness
+
+from tests.kit.programs import Line
 
 CLIENT = """
 import sys

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from wire import HZ, Line
+from wire import HZ
 
 from morse.testing.process import SimulationProcess
+from tests.kit.programs import Line
 
 Start = Callable[..., SimulationProcess]
 

@@ -8,7 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from victims import Victim
-from wire import Line, Witness, drained
+from wire import Witness, drained
+
+from tests.kit.programs import Line
 
 SHORT, LONG = 4_000, 1_000_000
 MALFORMED = (

@@ -17,10 +17,10 @@ import pytest
 from test_abuse_lines import garbage
 from test_abuse_other_ports import harass
 from victims import SCENE, Victim
-from wire import HZ, Footprint, Line, Witness, drained
+from wire import HZ, Footprint, Witness, drained
 
 from morse.testing.process import SimulationProcess
-from tests.kit.programs import free_port
+from tests.kit.programs import Line, free_port
 from tests.kit.waiting import wait_until
 
 Start = Callable[..., SimulationProcess]

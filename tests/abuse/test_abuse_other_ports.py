@@ -9,10 +9,10 @@ from collections.abc import Callable
 
 import pytest
 from victims import SCENE, Victim
-from wire import Line, Witness
+from wire import Witness
 
 from morse.testing.process import SimulationProcess
-from tests.kit.programs import free_port
+from tests.kit.programs import Line, free_port
 
 Start = Callable[..., SimulationProcess]
 

@@ -2,7 +2,9 @@
 
 import pytest
 from victims import Victim
-from wire import Footprint, Line
+from wire import Footprint
+
+from tests.kit.programs import Line
 
 pytestmark = pytest.mark.skipif(not Footprint.possible(), reason="the system does not tell")
 

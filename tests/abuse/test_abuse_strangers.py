@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 import pytest
 from victims import SCENE, Victim
-from wire import HZ, Footprint, Line, Witness, drained
+from wire import HZ, Footprint, Witness, drained
 
 from morse.testing.process import SimulationProcess
+from tests.kit.programs import Line
 
 Start = Callable[..., SimulationProcess]
 

@@ -1,8 +1,7 @@
 """A simulation for abuse."""
 
-from wire import Line
-
 from morse.testing.process import SimulationProcess
+from tests.kit.programs import Line
 
 SCENE = """
 from morse.builder import *

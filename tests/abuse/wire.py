@@ -5,46 +5,15 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-import socket
-import struct
 import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tests.kit.programs import Line
+
 HZ = 60
-
-
-class Line:
-    """A connection for lines."""
-
-    def __init__(self, port: int, timeout: float = 60.0) -> None:
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
-        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._lines = self.socket.makefile("rb")
-
-    def send(self, data: bytes) -> None:
-        self.socket.sendall(data)
-
-    def read(self) -> bytes:
-        return self._lines.readline()
-
-    def call(self, component: str, service: str, *arguments: Any) -> Any:
-        """Call a service; its result, or an AssertionError."""
-        self.send(f"c {component} {service} {json.dumps(list(arguments))}\n".encode())
-        number, status, *value = self.read().split(maxsplit=2)
-        assert (number, status) == (b"c", b"SUCCESS"), value
-        return json.loads(value[0]) if value else None
-
-    def close(self) -> None:
-        self._lines.close()
-        self.socket.close()
-
-    def vanish(self) -> None:
-        """Close without a shutdown, like a program that is killed."""
-        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        self.close()
 
 
 class Witness(threading.Thread):

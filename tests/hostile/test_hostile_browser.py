@@ -35,6 +35,21 @@ async ([host, ports, lines]) => {
     const limited = (promise) => Promise.race([promise, new Promise((done) => setTimeout(done, 1000, "nothing"))]);
     await Promise.all(ports.map(async (port) => {
         const place = `${host}:${port}`;
+        const sockets = (async () => {
+            for (const path of ["/ws", "/"])
+                for (const protocols of [[], ["foxglove.sdk.v1"], ["foxglove.websocket.v1"]]) {
+                    const socket = new WebSocket(`ws://${place}${path}`, protocols);
+                    const opened = await limited(new Promise((done) => {
+                        socket.onopen = () => done("opened");
+                        socket.onerror = socket.onclose = () => done("refused");
+                    }));
+                    if (opened === "opened") {
+                        told.push(`WebSocket ${place}${path} ${protocols}`);
+                        socket.send(lines);
+                    }
+                    socket.close();
+                }
+        })();
         for (const mode of ["cors", "no-cors"]) {
             for (const path of ["/", "/worlds/1.json"]) {
                 const answer = await limited(fetch(`http://${place}${path}`, { mode }).catch((error) => null));
@@ -43,19 +58,6 @@ async ([host, ports, lines]) => {
             }
             await limited(fetch(`http://${place}/`, { method: "POST", mode, body: lines }).catch(() => null));
         }
-        for (const path of ["/ws", "/"])
-            for (const protocols of [[], ["foxglove.sdk.v1"], ["foxglove.websocket.v1"]]) {
-                const socket = new WebSocket(`ws://${place}${path}`, protocols);
-                const opened = await limited(new Promise((done) => {
-                    socket.onopen = () => done("opened");
-                    socket.onerror = socket.onclose = () => done("refused");
-                }));
-                if (opened === "opened") {
-                    told.push(`WebSocket ${place}${path} ${protocols}`);
-                    socket.send(lines);
-                }
-                socket.close();
-            }
         const beacon = navigator.sendBeacon(`http://${place}/`, lines);
         const image = new Image();
         const shown = await limited(new Promise((done) => {
@@ -72,6 +74,7 @@ async ([host, ports, lines]) => {
             document.head.append(script);
         }));
         if (ran === "loaded") told.push(`script ${place}`);
+        await sockets;
     }));
     return told;
 }

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from limited import connect, limited_run
+from limited import limited_run
 
 import morse
 from morse.builder import ATRV, Environment, Hokuyo, UltrasonicRangeFinder, VideoCamera
 from morse.core.clients.budgets import MOST_PIXELS, RAY, SensingBudget
 from morse.core.exceptions import MorseError
 from morse.simulation.simulation import Simulation
+from tests.kit.programs import Line
 
 CAMERAS = ("one", "two", "three")
 
@@ -191,43 +191,25 @@ env = Environment('empty')
 """
 
 
-class Peer:
-    """A client of the services."""
-
-    def __init__(self, port: int) -> None:
-        self.socket = connect(port)
-        self._lines = self.socket.makefile("rb")
-
-    def __enter__(self) -> Peer:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._lines.close()
-        self.socket.close()
-
-    def call(self, component: str, service: str, *arguments: object) -> bytes:
-        self.socket.sendall(f"1 {component} {service} {json.dumps(arguments)}\n".encode())
-        return self._lines.readline()
-
-    def mean_wait(self, calls: int = 80) -> float:
-        """Of a call that does nothing, s."""
-        begin = time.monotonic()
-        for _ in range(calls):
-            assert b"SUCCESS" in self.call("simulation", "list_robots")
-        return (time.monotonic() - begin) / calls
+def mean_wait(client: Line, calls: int = 80) -> float:
+    """The time of a call that does nothing, s."""
+    begin = time.monotonic()
+    for _ in range(calls):
+        client.call("simulation", "list_robots")
+    return (time.monotonic() - begin) / calls
 
 
 def test_who_sets_all_that_is_allowed_keeps_nobody_waiting(tmp_path: Path) -> None:
     with limited_run(SCENE, tmp_path, 1024, "--view", "none") as run:
         port = run.port(r"services are on port (\d+)")
-        with Peer(port) as other, Peer(port) as hostile:
-            other.mean_wait()
-            before = other.mean_wait()
+        with Line(port) as other, Line(port) as hostile:
+            mean_wait(other)
+            before = mean_wait(other)
             refused = 0
             for size in (4096, 300, 400, 600, 800, 1200):
                 for camera in CAMERAS:
                     for name in ("cam_width", "cam_height"):
-                        answer = hostile.call(f"robot.{camera}", "set_property", name, size)
+                        answer = hostile.answer(f"robot.{camera}", "set_property", name, size)
                         refused += b"the budget for what clients set" in answer
             assert 6 <= refused < 36
-            assert other.mean_wait() < 2.0 * before
+            assert mean_wait(other) < 2.0 * before

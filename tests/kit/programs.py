@@ -1,13 +1,16 @@
 """Other programs in tests: their ports, their results, and those that a simulation talks with."""
 
+import json
 import os
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 #: s, after which a program counts as lost
 _LIMIT = 200.0
@@ -28,6 +31,47 @@ def free_ports(count: int, kind: socket.SocketKind = socket.SOCK_STREAM) -> list
 def free_port(kind: socket.SocketKind = socket.SOCK_STREAM) -> int:
     """A port of 127.0.0.1 that no program uses now."""
     return free_ports(1, kind)[0]
+
+
+class Line:
+    """A connection of a client that speaks in lines, such as the services of a simulation; also a context manager."""
+
+    def __init__(self, port: int, timeout: float = 60.0) -> None:
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._lines = self.socket.makefile("rb")
+
+    def __enter__(self) -> "Line":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def send(self, data: bytes) -> None:
+        self.socket.sendall(data)
+
+    def read(self) -> bytes:
+        return self._lines.readline()
+
+    def answer(self, component: str, service: str, *arguments: object) -> bytes:
+        """Call a service; the line of its answer."""
+        self.send(f"c {component} {service} {json.dumps(arguments)}\n".encode())
+        return self.read()
+
+    def call(self, component: str, service: str, *arguments: object) -> Any:
+        """Call a service; its result, or an AssertionError."""
+        number, status, *value = self.answer(component, service, *arguments).split(maxsplit=2)
+        assert (number, status) == (b"c", b"SUCCESS"), value
+        return json.loads(value[0]) if value else None
+
+    def close(self) -> None:
+        self._lines.close()
+        self.socket.close()
+
+    def vanish(self) -> None:
+        """Close without a shutdown, like a program that is killed."""
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self.close()
 
 
 def python(
