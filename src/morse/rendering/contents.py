@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics import World
-    from morse.rendering.meshes import Clusters
+    from morse.rendering.meshes import Clusters, Triangulated
     from morse.rendering.textures import TextureStore
-    from morse.scene import Material, Mesh, Node
+    from morse.scene import Material, Node
 
 #: opacity below which a surface is translucent
 _OPAQUE = 0.99
@@ -51,10 +51,10 @@ class MeshStore:
 
     def __init__(self, *, simplified: bool = False) -> None:
         self._simplified = simplified
-        self._known: dict[tuple[int, int, bool], tuple[Mesh, Clusters]] = {}
+        self._known: dict[tuple[int, int, bool], tuple[Triangulated, Clusters]] = {}
         self._alike: dict[tuple[bytes, int, bool], Clusters] = {}
 
-    def clusters(self, requests: Sequence[tuple[Mesh, int, bool]]) -> list[Clusters]:
+    def clusters(self, requests: Sequence[tuple[Triangulated, int, bool]]) -> list[Clusters]:
         """The clusters of meshes; equal meshes have the same.
 
         Args:
@@ -71,12 +71,12 @@ class MeshStore:
         self._known.update({key: (new[key][0], self._alike[alike[key]]) for key in new})
         return [self._known[key][1] for key in keys]
 
-    def _made(self, request: tuple[Mesh, int, bool]) -> Clusters:
+    def _made(self, request: tuple[Triangulated, int, bool]) -> Clusters:
         mesh, slots, textured = request
         return clusters_of(mesh, slots, textured=textured, simplified=self._simplified)
 
 
-def _digest(mesh: Mesh) -> bytes:
+def _digest(mesh: Triangulated) -> bytes:
     digest = hashlib.blake2b(digest_size=16)
     for array in (mesh.vertices, mesh.triangles, mesh.material_index, mesh.uvs, mesh.normals):
         values = np.ascontiguousarray(np.zeros(0) if array is None else array)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -12,8 +12,6 @@ from morse.mathutils.portable import norm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from morse.scene import Mesh
 
 
 # Finds the closed parts of meshes: from outside, only their front faces are visible.
@@ -221,8 +219,32 @@ class Clusters(NamedTuple):
     levels: NDArray[np.float32]
 
 
+class Triangulated(Protocol):
+    """What is read of a mesh; see `morse.scene.Mesh`."""
+
+    @property
+    def vertices(self) -> NDArray[np.float32]:
+        """(V, 3) positions."""
+
+    @property
+    def triangles(self) -> NDArray[np.int32]:
+        """(T, 3) vertices."""
+
+    @property
+    def material_index(self) -> NDArray[np.int32]:
+        """(T,) material slots."""
+
+    @property
+    def uvs(self) -> NDArray[np.float32] | None:
+        """(T, 3, 2) texture coordinates."""
+
+    @property
+    def normals(self) -> NDArray[np.float32] | None:
+        """(T, 3, 3) unit normals."""
+
+
 def clusters_of(
-    mesh: Mesh, slots: int, at_once: int = _AT_ONCE, *, textured: bool = True, simplified: bool = False
+    mesh: Triangulated, slots: int, at_once: int = _AT_ONCE, *, textured: bool = True, simplified: bool = False
 ) -> Clusters:
     """Divide a mesh and its levels of detail into clusters, and merge equal corners.
 
@@ -256,7 +278,7 @@ def clusters_of(
     errors = [0.0, *(level.error for level in levels), np.inf]
     if levels:
         # all clusters of a mesh show the same level
-        whole = _spheres(rows.reshape(-1, 8)[:, :3], np.zeros(1, np.intp))
+        whole = spheres_around(rows.reshape(-1, 8)[:, :3], np.zeros(1, np.intp))
         for number, copy in enumerate(copies):
             copy.levels[:, :4], copy.levels[:, 4:] = whole, errors[number : number + 2]
     origins = np.concatenate([np.arange(len(order)), *(level.origin for level in levels)])
@@ -275,7 +297,11 @@ def _usable(index: NDArray[np.integer], usable: NDArray[np.bool_]) -> NDArray[np
 
 
 def _rows(
-    mesh: Mesh, points: NDArray[np.float32], index: NDArray[np.integer], triangles: NDArray[np.intp], textured: bool
+    mesh: Triangulated,
+    points: NDArray[np.float32],
+    index: NDArray[np.integer],
+    triangles: NDArray[np.intp],
+    textured: bool,
 ) -> NDArray[np.float32]:
     """(N, 3, 8) position, normal and texture coordinates of the corners of some triangles."""
     corners = points[index[triangles]]
@@ -328,7 +354,9 @@ def _column(values: NDArray[np.int32] | None, count: int) -> NDArray[np.int64]:
     return column
 
 
-def _normals(mesh: Mesh, triangles: NDArray[np.intp], count: int, corners: NDArray[np.float32]) -> NDArray[np.float32]:
+def _normals(
+    mesh: Triangulated, triangles: NDArray[np.intp], count: int, corners: NDArray[np.float32]
+) -> NDArray[np.float32]:
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(np.float64)
     face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-30)
     flat = np.repeat(face[:, None], 3, axis=1).astype(np.float32)
@@ -354,14 +382,15 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     triangles[:, 3] = slot
     vertices = flat[first].view(VERTEX).reshape(-1)
     numbers = np.column_stack([firsts, sizes, starts, np.diff(np.append(starts, count))]).astype(np.int32)
-    spheres = _spheres(vertices["p"], firsts)
+    spheres = spheres_around(vertices["p"], firsts)
     levels = np.column_stack([spheres, np.zeros(len(spheres)), np.full(len(spheres), np.inf)]).astype(np.float32)
     return Clusters(
         vertices, triangles, numbers.reshape(-1, 4), spheres, np.zeros(count, np.uint8), spheres[:, 3].copy(), levels
     )
 
 
-def _spheres(points: NDArray[np.float32], firsts: NDArray[np.intp]) -> NDArray[np.float32]:
+def spheres_around(points: NDArray[np.float32], firsts: NDArray[np.integer]) -> NDArray[np.float32]:
+    """(C, 4) centres and radii of spheres around points (N, 3) that are grouped; `firsts` (C,) begin the groups."""
     if not len(firsts):
         return np.zeros((0, 4), np.float32)
     low, high = np.minimum.reduceat(points, firsts), np.maximum.reduceat(points, firsts)

@@ -32,9 +32,7 @@ _MOST_ASIDE = 2048
 _codes = np.arange(256) / 255
 #: (256,) linear light of sRGB codes
 LINEAR = linear_light(_codes)
-#: the same in single precision, and in the format of texels; opacity in the format of texels
-_LINEAR = LINEAR.astype(np.float32)
-_ROOTS = (np.sqrt(LINEAR) * 1023 + 0.5).astype(np.uint32)
+#: opacity in the format of texels
 _ALPHAS = (_codes * 3 + 0.5).astype(np.uint32) << np.uint32(30)
 
 
@@ -48,6 +46,8 @@ class TextureStore:
         self._texels: list[NDArray[np.int32]] = []
         self._masked: list[bool] = []
         self._size = 0
+        #: the sizes of textures that were enlarged, relative to those of their texels
+        self._true_sizes: dict[int, float] = {}
         self._ahead: dict[int, Future[NDArray[np.uint8]]] = {}
 
     def read_ahead(self, images: Iterable[Image]) -> None:
@@ -62,12 +62,38 @@ class TextureStore:
         """The index of the texture of an image."""
         number = self._numbers.get(id(image))
         if number is None:
-            number = self._numbers[id(image)] = len(self._images)
             # keeps the image alive, so that its id is not reused
             self._images.append(image)
             ahead = self._ahead.pop(id(image), None)
-            self._add(_pixels(image) if ahead is None else ahead.result())
+            number = self._numbers[id(image)] = self._add(_pixels(image) if ahead is None else ahead.result())
         return number
+
+    def add(self, pixels: NDArray[np.uint8], light: NDArray[np.float64] = LINEAR) -> int:
+        """Add a texture of pixels (H, W, 4), RGBA, as OpenGL has it; return its number.
+
+        The texture coordinate v is 0 in the first row. Sizes that are not powers of two become larger, but each level
+        shows what that of OpenGL does.
+
+        Args:
+            light: (256,) the light of each code, 0 to 1; by default that of sRGB.
+        """
+        height, width = pixels.shape[:2]
+        if width & (width - 1) == 0 and height & (height - 1) == 0 and max(width, height) <= _MOST_ASIDE:
+            return self._add(pixels, light)
+        sizes = [_larger_power_of_two(width), _larger_power_of_two(height)]
+        level = np.empty((4, height, width), np.float32)
+        for channel in range(3):
+            np.take(light.astype(np.float32), pixels[..., channel], out=level[channel])
+        np.multiply(pixels[..., 3], np.float32(1 / 255), out=level[3])
+        self._masked.append(bool((pixels[..., 3] < 255).any()))
+        firsts = []
+        for step in range(max(width, height).bit_length()):
+            across, down = (max(size >> step, 1) for size in sizes)
+            firsts.append(self._keep(_packed(_sampled(level, down, across))))
+            level = _sampled(level, max(level.shape[1] // 2, 1), max(level.shape[2] // 2, 1))
+        self._rows.append((*sizes, *firsts))
+        self._true_sizes[len(self._rows) - 1] = max(width / sizes[0], height / sizes[1])
+        return len(self._rows) - 1
 
     def has_holes(self, number: int) -> bool:
         """Whether a part of a texture is transparent."""
@@ -79,20 +105,24 @@ class TextureStore:
         for row, (width, height, *firsts) in zip(rows, self._rows, strict=True):
             row["width"], row["height"], row["levels"] = width, height, len(firsts)
             row["first"][: len(firsts)] = firsts
+        for number, share in self._true_sizes.items():
+            rows["spare"][number] = np.float32(share).view(np.int32)
         return np.concatenate([*self._texels, np.full(1, -1, np.int32)]), rows
 
-    def _add(self, pixels: NDArray[np.uint8]) -> None:
+    def _add(self, pixels: NDArray[np.uint8], light: NDArray[np.float64] = LINEAR) -> int:
+        roots, share = (np.sqrt(light) * 1023 + 0.5).astype(np.uint32), light.astype(np.float32)
         self._masked.append(bool((pixels[..., 3] < 255).any()))
-        firsts = [self._keep(_coded(pixels))]
+        firsts = [self._keep(_coded(pixels, roots))]
         level = np.empty((4, *pixels.shape[:2]), np.float32)
         for channel in range(3):
-            np.take(_LINEAR, pixels[..., channel], out=level[channel])
+            np.take(share, pixels[..., channel], out=level[channel])
         np.multiply(pixels[..., 3], np.float32(1 / 255), out=level[3])
         while level.shape[1:] != (1, 1):
             level = (level[:, 0::2] + level[:, 1::2]) * np.float32(0.5) if level.shape[1] > 1 else level
             level = (level[..., 0::2] + level[..., 1::2]) * np.float32(0.5) if level.shape[2] > 1 else level
             firsts.append(self._keep(_packed(level)))
         self._rows.append((pixels.shape[1], pixels.shape[0], *firsts))
+        return len(self._rows) - 1
 
     def _keep(self, texels: NDArray[np.uint32]) -> int:
         """Append a level of a texture (H, W); returns the index of its first texel."""
@@ -107,9 +137,9 @@ class TextureStore:
 # Texels are square roots of linear light, 10 bits each, and 2 bits of alpha: precise in the dark, fast to decode.
 
 
-def _coded(pixels: NDArray[np.uint8]) -> NDArray[np.uint32]:
+def _coded(pixels: NDArray[np.uint8], roots: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """The texels of an image."""
-    r, g, b = (_ROOTS[pixels[..., channel]] for channel in range(3))
+    r, g, b = (roots[pixels[..., channel]] for channel in range(3))
     return _joined(r, g, b, _ALPHAS[pixels[..., 3]])
 
 
@@ -141,6 +171,26 @@ def _pixels(image: Image) -> NDArray[np.uint8]:
 
 def _power_of_two(size: int) -> int:
     return int(min(1 << max(0, round(math.log2(max(size, 1)))), _MOST_ASIDE))
+
+
+def _larger_power_of_two(size: int) -> int:
+    """The size of a texture that is enlarged; see `TextureStore.add`."""
+    return int(min((2 if size <= _MOST_ASIDE // 4 else 1) << (size - 1).bit_length(), _MOST_ASIDE))
+
+
+def _sampled(level: NDArray[np.float32], height: int, width: int) -> NDArray[np.float32]:
+    """A level (4, H, W) of another size, sampled with bilinear weights, repeated at its borders."""
+    for axis, size in ((1, height), (2, width)):
+        old = level.shape[axis]
+        if old == size:
+            continue
+        at = (np.arange(size) + 0.5) * (old / size) - 0.5
+        first = np.floor(at)
+        share = (at - first).astype(np.float32).reshape((-1, 1) if axis == 1 else (-1,))
+        index = first.astype(np.intp)
+        one, other = np.take(level, index % old, axis=axis), np.take(level, (index + 1) % old, axis=axis)
+        level = one + (other - one) * share
+    return level
 
 
 def _checkered() -> NDArray[np.uint8]:

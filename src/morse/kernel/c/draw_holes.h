@@ -24,6 +24,7 @@ static __attribute__((noinline)) int opaque(const Frame *f, const Seen *s, float
         EACH(i, 3) e[i] = s->e[i][0] * x + s->e[i][1] * y + s->e[i][2];
         const float all = e[0] + e[1] + e[2];
         EACH(i, 2) uv[i] = (e[0] * v[c[0]].uv[i] + e[1] * v[c[1]].uv[i] + e[2] * v[c[2]].uv[i]) / all;
+        if (f->maps) EACH(i, 2) uv[i] = uv[i] * f->maps[s->material][i] + f->maps[s->material][i + 2];
         const int32_t at = texel_of(uv[1], t->height) * (t->width + 1) + texel_of(uv[0], t->width);
         if ((uint32_t)f->texels[t->first[0] + at] >> 30 < 2) return 0;
     }

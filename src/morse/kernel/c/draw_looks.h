@@ -9,8 +9,11 @@ typedef struct {
     F8 r, g, b, er, eg, eb, metallic, roughness;
     F8 u, v, ux, vx, uy, vy;  // texture coordinates and their changes to the right and down
     I8 plain, texture;
-    V3 ray, place, normal;  // the direction for a depth of 1, the position, and the unit normal, in the world
-    F8 depth, sun;          // m; the share of the light of the sun
+    V3 ray, place, normal;        // the direction for a depth of 1, the position, and the unit normal, in the world
+    F8 depth, sun;                // m; the share of the light of the sun
+    V3 lights[1 + MOST_SHADOWS];  // in the classic look: of the lights without shadows, and of each light with shadows
+    F8 red, green, blue;          // the colour of the material in the classic look
+    I8 hazed, fine;
 } Looks;
 
 // The interpolated attributes of a triangle, in lanes: the normal; the texture coordinates and 1, times the factor of

@@ -1,5 +1,6 @@
 // Finds the visible triangle of each pixel, then shades it, tile by tile.
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -49,8 +50,11 @@ static inline V3 ray_of(const Camera *k, F8 x, F8 y) {
 }
 
 // The light of the sky in groups of eight samples, 0 to 1: step by step, because each step waits for the one before.
-static __attribute__((noinline)) void shade_sky(const Frame *f, const Camera *k, const Looks *l, int groups,
-                                                V3 *light) {
+static __attribute__((noinline)) void shade_sky(const Frame *f, const Camera *k, Looks *l, int groups, V3 *light) {
+    if (f->classic) {
+        EACH(g, groups) light[g] = classic_sky(f, k, l + g, ray_of(k, l[g].x, l[g].y));
+        return;
+    }
     EACH(g, groups) light[g] = unit(ray_of(k, l[g].x, l[g].y));
     EACH(g, groups) light[g] = sky_in(f->sky, light[g]);
     EACH(g, groups) light[g] = scaled(light[g], splat(k->exposure));
@@ -84,6 +88,10 @@ static inline V3 shade(const Frame *f, const Camera *k, const Looks *l) {
 // The light of surfaces in groups of eight samples, step by step.
 static __attribute__((noinline)) void shade_groups(const Frame *f, const Camera *k, Looks *l, int groups, V3 *light) {
     EACH(g, groups) look_closer(f, k, l + g);
+    if (f->classic) {
+        EACH(g, groups) light[g] = visible(classic_light(f, k, l + g));
+        return;
+    }
     EACH(g, groups) look_at_sun(f, l + g);
     EACH(g, groups) light[g] = shade(f, k, l + g);
 }
@@ -131,6 +139,10 @@ static inline void look_at_waiting(const Frame *f, const Shown *s, const Waiting
         planes[j] = s->planes + place, materials[j] = s->material[place];
     }
     look_at_samples(f, l, planes, materials, kind == TEXTURED_SURFACES);
+    if (!f->classic) return;
+    const Corners *corners[LANES];
+    EACH_LANE(j) corners[j] = s->corners + q->place[j < count ? i + j : i];
+    interpolate(l, corners);
 }
 
 static inline int lanes_left(int count, int i) { return count - i < LANES ? count - i : LANES; }
@@ -196,7 +208,7 @@ static void join_collected(const Frame *f, const Camera *k, Work *w) {
     int32_t materials[MOST_COLLECTED];
     make_room(f, k, w, s->count);
     EACH(i, s->count) places[i] = (int16_t)(c[i].who < 0 ? -1 : place_of(f, &w->shown, c[i].who));
-    complete(f, &w->shown);
+    complete(f, k, &w->shown);
     EACH(i, s->count) materials[i] = places[i] < 0 ? -1 : w->shown.material[places[i]];
     for (int i = 0, end; i < s->count; i = end) {
         for (end = i + 1; end < s->count && c[end].pixel == c[i].pixel;) end++;
@@ -235,7 +247,8 @@ static void draw_same(const Frame *f, const Camera *k, Work *w, int is_sky) {
         if ((row->who < 0) != is_sky) continue;
         Looks *l = w->looks + groups;
         l->x = STEPS + ((float)row->x + 0.5f + f->samples[0]), l->y = splat((float)row->y + 0.5f + f->samples[1]);
-        if (!is_sky) look_at_triangle(l, w->shown.planes + row->place, f->materials + w->shown.material[row->place]);
+        if (!is_sky) look_at_triangle(f, l, w->shown.planes + row->place, w->shown.material[row->place]);
+        if (!is_sky && f->classic) interpolate_one(f, l, w->shown.corners + row->place);
         rows[groups++] = row;
         if (groups < MOST_GROUPS) continue;
         finish_rows(f, k, w, rows, groups, is_sky);
@@ -263,7 +276,7 @@ static void draw_colours(const Frame *f, const Camera *k, Work *w) {
         Row *row = w->rows + i;
         if (row->who >= 0) row->place = place_of(f, &w->shown, row->who);
     }
-    complete(f, &w->shown);
+    complete(f, k, &w->shown);
     draw_same(f, k, w, 0), draw_same(f, k, w, 1);
     EACH(i, KINDS) finish(f, k, w, i);
     EACH(i, w->mixed_count) write_mixed(f, k, w, w->mixed + i);
@@ -277,7 +290,7 @@ static void write_normals(const Frame *f, const Camera *k, Work *w, I8 shown, in
         float n[3] = {0, 0, 0};
         if (shown[j] >= 0) {
             const int place = place_of(f, &w->shown, shown[j]);
-            complete(f, &w->shown);
+            complete(f, k, &w->shown);
             const F8 at = at_point(w->shown.planes + place, (float)(x + j) + 0.5f, fy);
             EACH(i, 3) n[i] = at[i];
         }
@@ -383,7 +396,7 @@ void draw_pixels(Frame *f, int64_t thread) {
     // lanes without a texture are computed, too
     memset(w.looks, 0, sizeof w.looks);
     // and lanes without a sample, and places in a table that is empty
-    memset(&w.samples, 0, sizeof w.samples), memset(&w.shown, 0, sizeof w.shown);
+    memset(&w.samples, 0, sizeof w.samples), memset(&w.shown, 0, offsetof(Shown, corners));
     for (int64_t t; (t = take_piece(f, PIXELS, thread, f->tile_count)) >= 0;) {
         if (f->drawn[t])
             draw_tile(f, f->cameras + f->tiles[t][0], t, &w);

@@ -1,5 +1,6 @@
 // The triangles that the pixels of a tile show, with the planes of their attributes.
 #pragma once
+#include "draw_classic.h"
 #include "draw_surface.h"
 
 // Maximum number of triangles at a time.
@@ -15,6 +16,7 @@ typedef struct {
     int32_t who[MOST_SHOWN], material[MOST_SHOWN], kind[MOST_SHOWN];
     int32_t count, complete;  // all of them, and the number of those whose planes are known
     int16_t table[SHOWN_TABLE];
+    Corners corners[MOST_SHOWN];  // in the classic look
 } Shown;
 
 // The place of a triangle, which may be new.
@@ -28,7 +30,7 @@ static inline int place_of(const Frame *f, Shown *s, int32_t who) {
 
 // Computes the planes of new triangles: one after the other, so that the processor waits for the memory of several at
 // once.
-static inline void complete(const Frame *f, Shown *s) {
+static inline void complete(const Frame *f, const Camera *k, Shown *s) {
     for (int i = s->complete; i < s->count; i++) {
         const Seen *seen = f->seen + s->who[i];
         const Vertex *base = f->vertices + f->clusters[f->parts[seen->part].cluster].vertex;
@@ -37,6 +39,7 @@ static inline void complete(const Frame *f, Shown *s) {
     for (int i = s->complete; i < s->count; i++) {
         const Seen *seen = f->seen + s->who[i];
         s->planes[i] = planes_of(f, seen), s->material[i] = seen->material;
+        if (f->classic) s->corners[i] = corners_lit(f, k, seen);
         s->kind[i] = f->materials[seen->material].texture >= 0 ? TEXTURED_SURFACES : PLAIN_SURFACES;
     }
     s->complete = s->count;

@@ -35,10 +35,18 @@ static inline void set_surface(Looks *l, const Surface *m) {
     l->er = splat(m->emission[0]), l->eg = splat(m->emission[1]), l->eb = splat(m->emission[2]);
     l->metallic = splat(m->metallic), l->roughness = splat(m->roughness);
     l->plain = splat_int(m->flags & SHADELESS ? -1 : 0), l->texture = splat_int(m->texture);
+    l->hazed = splat_int(m->flags & HAZED ? -1 : 0), l->fine = splat_int(m->flags & FINE ? -1 : 0);
+}
+
+// Scales and shifts texture coordinates.
+static inline void map_texture(Looks *l, const F8 *by) {
+    l->u = l->u * by[0] + by[2], l->ux *= by[0], l->uy *= by[0];
+    l->v = l->v * by[1] + by[3], l->vx *= by[1], l->vy *= by[1];
 }
 
 // Eight samples of the same triangle.
-static inline void look_at_triangle(Looks *l, const Planes *p, const Surface *m) {
+static inline void look_at_triangle(const Frame *f, Looks *l, const Planes *p, int32_t material) {
+    const Surface *m = f->materials + material;
     const F8 x = l->x, y = l->y;
     l->inverse = at_points(p, INVERSE, x, y);
     l->nx = at_points(p, NORMAL_X, x, y), l->ny = at_points(p, NORMAL_Y, x, y), l->nz = at_points(p, NORMAL_Z, x, y);
@@ -50,6 +58,10 @@ static inline void look_at_triangle(Looks *l, const Planes *p, const Surface *m)
     l->uy = (p->down[TEXTURE_U] - u * p->down[WHOLE]) * w;
     l->v = v, l->vx = (p->across[TEXTURE_V] - v * p->across[WHOLE]) * w,
     l->vy = (p->down[TEXTURE_V] - v * p->down[WHOLE]) * w;
+    if (!f->maps) return;
+    F8 by[4];
+    EACH(i, 4) by[i] = splat(f->maps[material][i]);
+    map_texture(l, by);
 }
 
 // Rows become columns.
@@ -91,6 +103,7 @@ static inline void set_surfaces(const Frame *f, Looks *l, const int32_t *materia
     EACH_LANE(j) memcpy(others + j, &m[j]->roughness, sizeof others[j]);
     columns_of(others, last);
     l->roughness = last[0], l->texture = bits_of(last[1]), l->plain = (bits_of(last[2]) & SHADELESS) != 0;
+    l->hazed = (bits_of(last[2]) & HAZED) != 0, l->fine = (bits_of(last[2]) & FINE) != 0;
 }
 
 // Eight samples of different triangles.
@@ -109,4 +122,10 @@ static inline void look_at_samples(const Frame *f, Looks *l, const Planes *const
     const F8 w = 1 / at[WHOLE], u = at[TEXTURE_U] * w, v = at[TEXTURE_V] * w;
     l->u = u, l->ux = (across[TEXTURE_U] - u * across[WHOLE]) * w, l->uy = (down[TEXTURE_U] - u * down[WHOLE]) * w;
     l->v = v, l->vx = (across[TEXTURE_V] - v * across[WHOLE]) * w, l->vy = (down[TEXTURE_V] - v * down[WHOLE]) * w;
+    if (!f->maps) return;
+    F4 by[LANES];
+    F8 columns[4];
+    EACH_LANE(j) memcpy(by + j, f->maps + materials[j], sizeof by[j]);
+    columns_of(by, columns);
+    map_texture(l, columns);
 }

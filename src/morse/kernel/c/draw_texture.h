@@ -57,6 +57,13 @@ typedef struct {
     int same;
 } Textures;
 
+// The size of a texture of OpenGL, relative to the number of its texels here.
+static inline float share_of(const Texture *t) {
+    float share;
+    memcpy(&share, &t->spare, sizeof share);
+    return t->spare ? share : 1;
+}
+
 static inline Textures textures_of(const Frame *f, I8 who) {
     Textures t;
     t.same = !any(who != splat_int(who[0]));
@@ -95,6 +102,20 @@ static __attribute__((noinline)) V3 add_level(const Frame *f, const Textures *t,
     return total;
 }
 
+// Trilinear, as OpenGL does it without anisotropic filters.
+static inline V3 trilinear(const Frame *f, const Textures *t, const Looks *l, F8 longer) {
+    const F8 one = splat(1);
+    const I8 bits = bits_of(greater(root(longer), one)), level = (bits >> 23) - 127, last = level >= t->last;
+    const F8 size = from_bits((bits & 0x7fffff) | 0x3f800000);
+    // the logarithm of the size, nearly
+    const F8 blend = pick(last, splat(0), (size - 1) * (1.3465f - 0.3465f * (size - 1)));
+    const Across across = {l->u, l->v, l->ux, l->vx};
+    const I8 low = pick_int(last, t->last, level), high = pick_int(last, t->last, level + 1);
+    V3 total = add_level(f, t, grey(0), low, &across, one, one, (1 - blend) * SQUARED_TEXEL);
+    if (any(blend > splat(0))) total = add_level(f, t, total, high, &across, one, one, blend * SQUARED_TEXEL);
+    return total;
+}
+
 // Trilinear, with up to four samples along the longer side of a pixel's footprint: multiplies the colours of eight
 // samples.
 static inline void add_textures(const Frame *f, Looks *l) {
@@ -105,7 +126,15 @@ static inline void add_textures(const Frame *f, Looks *l) {
     const F8 ux = l->ux * w, vx = l->vx * h, uy = l->uy * w, vy = l->vy * h;
     // squares of the sides of the footprints
     const F8 px = lesser(ux * ux + vx * vx, splat(1e8f)), py = lesser(uy * uy + vy * vy, splat(1e8f));
-    const F8 longer = greater(px, py), shorter = greater(lesser(px, py), one);
+    const F8 longer = greater(px, py);
+    if (f->classic) {
+        F8 shares;
+        EACH_LANE(j) shares[j] = share_of(t.of[j]);
+        const V3 total = trilinear(f, &t, l, longer * shares * shares);
+        l->r *= total.x, l->g *= total.y * GREEN_SCALE, l->b *= total.z * BLUE_SCALE;
+        return;
+    }
+    const F8 shorter = greater(lesser(px, py), one);
     const F8 du = pick(px < py, l->uy, l->ux), dv = pick(px < py, l->vy, l->vx);
     // the ratio of the sides, rounded down from 0.6, and its reciprocal, without divisions
     const I8 two = longer > shorter * (1.6f * 1.6f), three = longer > shorter * (2.6f * 2.6f),

@@ -12,7 +12,7 @@
 #define EACH(i, n) for (int i = 0; i < (n); i++)
 
 enum { SUN_LAMP, POINT_LAMP, SPOT_LAMP, HEMISPHERE_LAMP };
-enum { SHADELESS = 1, DOUBLE_SIDED = 2, MASKED = 4, DITHERED = 8 };
+enum { SHADELESS = 1, DOUBLE_SIDED = 2, MASKED = 4, DITHERED = 8, HAZED = 16, FINE = 32 };
 enum { MIRRORED = 2, SOLID = 4 };
 // Closed parts of a mesh: of one material, and of several.
 enum { CLOSED = 1, MIXED = 2 };
@@ -25,13 +25,15 @@ typedef struct {
     int64_t pixel;
 } Camera;
 
+// In the classic look, FINE surfaces are lit at each pixel, as if their triangles were small, `metallic` is the
+// specular coefficient and `roughness` the exponent of highlights.
 typedef struct {
     float color[4], emission[3], metallic, roughness;
     int32_t texture, flags, spare;  // in this order, they are read together
 } Surface;
 
 // Sizes are powers of two; `first` are the first texels of the levels, each half as large as the one before. Rows end
-// with a copy of their first texel.
+// with a copy of their first texel. In the classic look, `spare` is the share of the true size as a float, 0 for all.
 typedef struct {
     int32_t width, height, levels, spare, first[16];
 } Texture;
@@ -39,6 +41,29 @@ typedef struct {
 typedef struct {
     float kind, place[3], towards[3], color[3], decay, outer, inner, ground[3];
 } Lamp;
+
+// Maximum number of lights of the classic look that cast shadows.
+#define MOST_SHADOWS 4
+// Lights of a corner: of all lights without shadows, then of those with shadows; red, green and blue of each.
+#define CORNER_LIGHTS (3 * (1 + MOST_SHADOWS))
+
+// A light of the classic look, as OpenGL has it. `cutoff` is a cosine, -1 for light in all directions. Lights with a
+// shadow map are numbered from 1 in `number`, the others have 0.
+typedef struct {
+    float place[3], towards[3], ambient[3], diffuse[3], specular[3], attenuation[3], cutoff, exponent, frame[16];
+    int32_t directional, number, width, height;
+    const float *shadow;
+} ClassicLight;
+
+_Static_assert(sizeof(ClassicLight) == 168, "CLASSIC_LIGHT in morse/kernel/drawing/arrays.py");
+
+// The rest of the classic look. `sky` is the first of six textures: +X, -X, +Y, -Y, +Z and -Z; -1 without. The haze is
+// a ring of radius `far` around the camera on a plane (its normal and its offset), which becomes opaque outward over
+// the share `ring` of the radius, and vanishes at the same height above.
+typedef struct {
+    int32_t light_count, shadow_count, sky, hazy, foggy;
+    float haze[3], ring, far, plane[4], background[3], fog[3], fog_start, fog_end;
+} Classic;
 
 typedef struct {
     int32_t cluster, instance, slots, flags;
@@ -122,6 +147,7 @@ typedef struct {
     const Part *parts;
     const int32_t *slots;  // the material of each slot of each instance
     const Surface *materials;
+    const float (*maps)[4];  // of each material: factors and offsets of u and v; may be null
     const int32_t *texels;
     const Texture *textures;
     const Lamp *lamps;
@@ -137,6 +163,8 @@ typedef struct {
     const float *sun;
     const float *near_shadow, *near_sun;    // a finer map of a part of the world
     const float *lamp_shadow, *lamp_frame;  // a perspective map of a spot lamp: minus the depths, m
+    const Classic *classic;                 // null for the look of scenes
+    const ClassicLight *classic_lights;
     const ShadowBlock *shadow_bounds, *near_bounds, *lamp_bounds;  // of each block of these maps; may be null
     // the last change of each block of texels of the two maps, then the last of all; null if changes are not counted
     const int64_t *shadow_changes, *near_changes;

@@ -66,7 +66,7 @@ static inline unsigned lanes_of(I8 a) {
 }
 
 // base ** exponent for positive bases, to about six digits; results are clipped to 2**-100 ... 2**100.
-static inline F8 power(F8 base, float exponent) {
+static inline F8 powers(F8 base, F8 exponent) {
     I8 bits = bits_of(base);
     const I8 high = (bits - 0x3f3504f3) >> 23;
     bits -= high * 8388608;
@@ -76,6 +76,8 @@ static inline F8 power(F8 base, float exponent) {
     const F8 two = from_bits((to_int(n) + 127) * 8388608);
     return (1 + r * (1 + r * (0.5f + r * (0.16666667f + r * (0.041666667f + r * 0.0083333333f))))) * two;
 }
+
+static inline F8 power(F8 base, float exponent) { return powers(base, splat(exponent)); }
 
 typedef struct {
     F8 x, y, z;

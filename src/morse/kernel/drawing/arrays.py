@@ -18,7 +18,7 @@ TILE = 32
 #: maximum number of triangles of a cluster
 CLUSTER = 256
 #: flags of a material
-SHADELESS, DOUBLE_SIDED, MASKED, DITHERED = 1, 2, 4, 8
+SHADELESS, DOUBLE_SIDED, MASKED, DITHERED, HAZED, FINE = 1, 2, 4, 8, 16, 32
 #: flags of a part
 MOVES, MIRRORED, SOLID = 1, 2, 4
 #: closed parts of a mesh: of one material slot, and of several
@@ -57,6 +57,45 @@ LAMP = np.dtype(
         ("ground", "f4", 3),
     ]
 )
+#: a light of the classic look, see ``c/drawing.h``
+CLASSIC_LIGHT = np.dtype(
+    [
+        ("place", "f4", 3),
+        ("towards", "f4", 3),
+        ("ambient", "f4", 3),
+        ("diffuse", "f4", 3),
+        ("specular", "f4", 3),
+        ("attenuation", "f4", 3),
+        ("cutoff", "f4"),
+        ("exponent", "f4"),
+        ("frame", "f4", 16),
+        ("directional", "i4"),
+        ("number", "i4"),
+        ("width", "i4"),
+        ("height", "i4"),
+        ("shadow", "u8"),
+    ]
+)
+#: maximum number of lights of the classic look that cast shadows
+MOST_SHADOWS = 4
+#: the rest of the classic look
+CLASSIC = np.dtype(
+    [
+        ("light_count", "i4"),
+        ("shadow_count", "i4"),
+        ("sky", "i4"),
+        ("hazy", "i4"),
+        ("foggy", "i4"),
+        ("haze", "f4", 3),
+        ("ring", "f4"),
+        ("far", "f4"),
+        ("plane", "f4", 4),
+        ("background", "f4", 3),
+        ("fog", "f4", 3),
+        ("fog_start", "f4"),
+        ("fog_end", "f4"),
+    ]
+)
 CAMERA = np.dtype(
     [
         ("fx", "f4"),
@@ -93,6 +132,8 @@ def _encoded() -> NDArray[np.uint8]:
 
 #: (4096,) steps of linear light as sRGB
 ENCODED = _encoded()
+#: (4096,) the same without gamma correction, in the classic look
+PLAIN_CODES = ((np.arange(4096) * 255 + 2047) // 4095).astype(np.uint8)
 
 
 class Drawing(NamedTuple):
@@ -116,6 +157,8 @@ class Drawing(NamedTuple):
             which the cluster belongs and of the next one, m. A level is drawn if its error is allowed and that of the
             next one is not; the allowed error is `CAMERA` ``tolerance`` times the depth of the nearest point of the
             sphere.
+        maps: (M, 4) float32, factors and offsets of the texture coordinates u and v of each material; None for those of
+            the vertices.
     """
 
     vertices: NDArray[np.void]
@@ -130,6 +173,7 @@ class Drawing(NamedTuple):
     closed: NDArray[np.uint8]
     guards: NDArray[np.float32]
     levels: NDArray[np.float32]
+    maps: NDArray[np.float32] | None = None
 
 
 class Poses(NamedTuple):
@@ -163,6 +207,9 @@ class Light(NamedTuple):
             change for a column and a row, and their values at the first texel of the block, m. They only save time;
             see `bounds_for`.
         shadow_changes, near_changes: (N,) int64, numbers of the last changes of these maps; see `changes_for`.
+        classic: (1,) `CLASSIC`, the look of the fixed pipeline of OpenGL instead of all of the above, without gamma
+            correction; None for the look of scenes.
+        classic_lights: (L,) `CLASSIC_LIGHT`; ``shadow`` is the address of an array that the caller keeps.
     """
 
     lamps: NDArray[np.void]
@@ -178,6 +225,8 @@ class Light(NamedTuple):
     lamp_bounds: NDArray[np.float32] | None = None
     shadow_changes: NDArray[np.int64] | None = None
     near_changes: NDArray[np.int64] | None = None
+    classic: NDArray[np.void] | None = None
+    classic_lights: NDArray[np.void] | None = None
 
 
 def changes_for(shadow: NDArray[np.float32]) -> NDArray[np.int64]:

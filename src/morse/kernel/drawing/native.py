@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel import threads
-from morse.kernel.drawing.arrays import CHUNK, ENCODED, SAMPLES, SEEN, TILE, Pictures, number_tiles
+from morse.kernel.drawing.arrays import CHUNK, ENCODED, PLAIN_CODES, SAMPLES, SEEN, TILE, Pictures, number_tiles
 from morse.kernel.loading import library
 from morse.kernel.memory import address, aligned, pointer
 
@@ -120,9 +120,9 @@ class NativeKept:
         self._structure = _Kept(**{name: address(array) for name, array in self._arrays.items()}, instances=instances)
 
 
-_ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
+_ADDRESSES = """vertices triangles clusters spheres parts slots materials maps texels textures lamps sky samples encoded
     closed guards levels
-    models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame
+    models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame classic classic_lights
     shadow_bounds near_bounds lamp_bounds shadow_changes near_changes points corners point_counts boxes
     jobs found starts counts chunks shares seen bounds firsts members tiles drawn kept rgba depth ids normals"""
 _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
@@ -256,28 +256,70 @@ _SAMPLES = {count: np.array(positions, np.float32) for count, positions in SAMPL
 class NativeDrawer:
     """Renders images.
 
+    Args:
+        like: see `drawer`.
+
     Attributes:
         drawing: the scene.
         drawn_tiles: number of tiles of the last images that were not taken over from those before.
     """
 
-    def __init__(self, library: ctypes.CDLL, drawing: Drawing) -> None:
+    def __init__(self, library: ctypes.CDLL, drawing: Drawing, like: NativeDrawer | None = None) -> None:
         self._library = library
         self.drawing = drawing
         self._frame = frame = FrameStructure()
         frame.point(**drawing._asdict(), encoded=ENCODED)
         frame.part_count, frame.cluster_count = len(drawing.parts), len(drawing.clusters)
-        frame.point(
-            points=np.empty((len(drawing.vertices) + 1, 3), np.float32),
-            corners=np.empty((len(drawing.triangles) + 1, 3), np.uint16),
-            point_counts=np.empty(len(drawing.clusters) + 1, np.int32),
-            boxes=np.empty((len(drawing.clusters) + 1, 6), np.float32),
-        )
-        library.morse_draw_points(ctypes.byref(frame))
+        if like is None:
+            self._points: dict[str, NDArray[np.generic]] = {
+                "points": np.empty((len(drawing.vertices) + 1, 3), np.float32),
+                "corners": np.empty((len(drawing.triangles) + 1, 3), np.uint16),
+                "point_counts": np.empty(len(drawing.clusters) + 1, np.int32),
+                "boxes": np.empty((len(drawing.clusters) + 1, 6), np.float32),
+            }
+            frame.point(**self._points)
+            library.morse_draw_points(ctypes.byref(frame))
+        else:
+            self._points = like._points
+            frame.point(**self._points)
         self.drawn_tiles = 0
         self._seen = 0
         self._sizes = (-1, -1)
         self._room: dict[str, NDArray[np.generic]] = {}
+
+    def arrange(
+        self,
+        parts: NDArray[np.int32],
+        slots: NDArray[np.int32] | None = None,
+        materials: NDArray[np.void] | None = None,
+        maps: NDArray[np.float32] | None = None,
+    ) -> None:
+        """Draw other instances of the same meshes from now on; see `Drawing`. The arrays are not copied.
+
+        Images that were kept are not those of the new instances.
+        """
+        same = self.drawing
+        self.drawing = same._replace(
+            parts=parts,
+            slots=same.slots if slots is None else slots,
+            materials=same.materials if materials is None else materials,
+            maps=same.maps if maps is None else maps,
+        )
+        frame = self._frame
+        now = self.drawing
+        frame.point(parts=now.parts, slots=now.slots, materials=now.materials, maps=now.maps)
+        if frame.part_count != len(parts):
+            frame.part_count, self._sizes = len(parts), (-1, -1)
+
+    def reshape(self, first: int) -> None:
+        """Take note of moved vertices of the clusters from a number on; their spheres are changed by the caller."""
+        frame, drawing = self._frame, self.drawing
+        names = ("point_counts", "boxes")
+        frame.point(clusters=drawing.clusters[first:], **{name: self._points[name][first:] for name in names})
+        frame.cluster_count = len(drawing.clusters) - first
+        self._library.morse_draw_points(ctypes.byref(frame))
+        frame.point(clusters=drawing.clusters, **{name: self._points[name] for name in names})
+        frame.cluster_count = len(drawing.clusters)
 
     def draw(
         self, cameras: NDArray[np.void], poses: Poses, light: Light, samples: int, memories: Sequence[Kept | None] = ()
@@ -391,7 +433,7 @@ class NativeDrawer:
 
     def _light(self, light: Light, poses: Poses, samples: int) -> None:
         frame, shadow, near, lamp = self._frame, light.shadow, light.near_shadow, light.lamp_shadow
-        frame.point(**light._asdict())
+        frame.point(**light._asdict(), encoded=ENCODED if light.classic is None else PLAIN_CODES)
         frame.point(samples=_SAMPLES[samples], models=poses.models, turns=poses.turns)
         frame.lamp_count, frame.sample_count = len(light.lamps), samples
         frame.shadow_height, frame.shadow_width = (0, 0) if shadow is None else shadow.shape
@@ -399,9 +441,14 @@ class NativeDrawer:
         frame.lamp_height, frame.lamp_width = (0, 0) if lamp is None else lamp.shape
 
 
-def drawer(drawing: Drawing) -> NativeDrawer:
-    """The renderer."""
-    return NativeDrawer(library(), drawing)
+def drawer(drawing: Drawing, like: NativeDrawer | None = None) -> NativeDrawer:
+    """The renderer.
+
+    Args:
+        drawing: the scene.
+        like: a renderer of the same vertices, triangles and clusters, with which the new one shares memory.
+    """
+    return NativeDrawer(library(), drawing, like)
 
 
 class Kept:

@@ -1,0 +1,410 @@
+"""The abstract geoms of a `mujoco.MjvScene` as an array, and as instances of shapes."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.eyes.shapes import GRID_REACH
+from morse.eyes.store import CUBE, FLAT, SKY, ModelStore
+from morse.kernel.drawing.arrays import DOUBLE_SIDED, FINE, HAZED, MATERIAL, SOLID, Poses
+from morse.mathutils.light import linear_light
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.eyes.store import Key, Prepared
+
+# Types of geoms in MuJoCo (`mujoco.mjtGeom`), the same in all versions.
+PLANE, HFIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH, SDF = range(9)
+ARROW, ARROW1, ARROW2, LINE, LINEBOX, FLEX, SKIN, LABEL, TRIANGLE = range(100, 109)
+
+#: the fields of `mujoco.MjvGeom` that are read
+_FIELDS = {
+    **dict.fromkeys(("type", "dataid", "objtype", "objid", "category", "matid", "texid", "texuniform"), "i4"),
+    **dict.fromkeys(("texcoord", "segid"), "i4"),
+    "size": ("f4", 3),
+    "pos": ("f4", 3),
+    "mat": ("f4", 9),
+    "rgba": ("f4", 4),
+    **dict.fromkeys(("emission", "specular", "shininess", "reflectance"), "f4"),
+    "texrepeat": ("f4", 2),
+    "castshadow": "u1",
+    "modelrbound": "f4",
+}
+#: the fields on which the instances depend, but not their poses
+_LOOKS = (
+    *("type", "dataid", "objid", "segid", "texid", "texuniform", "texcoord", "size", "rgba", "emission", "specular"),
+    *("shininess", "reflectance", "texrepeat", "castshadow"),
+)
+
+
+def _address(values: NDArray[np.generic]) -> int:
+    return int(values.__array_interface__["data"][0])
+
+
+@lru_cache(maxsize=1)
+def _layout(make: Any) -> tuple[np.dtype[np.void], int]:
+    """Where the fields of a geom are in memory: each version of MuJoCo has its own structure."""
+    geoms = make().geoms
+    first, stride = _address(geoms[1].pos), _address(geoms[1].pos) - _address(geoms[0].pos)
+    # the memory before and after the position of the second of three geoms belongs to the array
+    window = (ctypes.c_ubyte * (2 * stride)).from_address(first - stride)
+    names, formats, offsets = [], [], []
+    for name, form in _FIELDS.items():
+        value = getattr(geoms[1], name, None)
+        if value is None:
+            continue
+        if isinstance(value, np.ndarray):
+            offset = _address(value) - first
+        else:
+            # one byte of a small integer, or three of a float, differ
+            setattr(geoms[1], name, 0)
+            before = bytes(window)
+            setattr(geoms[1], name, 1)
+            changed = np.flatnonzero(np.frombuffer(before, np.uint8) != np.frombuffer(bytes(window), np.uint8))
+            setattr(geoms[1], name, 0)
+            # 1.0 is 00 00 80 3f
+            offset = int(changed[0]) - stride - (2 if form == "f4" else 0)
+        names.append(name)
+        formats.append(form)
+        offsets.append(offset)
+    start = min(offsets)
+    return np.dtype(
+        {"names": names, "formats": formats, "offsets": [at - start for at in offsets], "itemsize": stride}
+    ), start
+
+
+class GeomArray:
+    """The geoms of a scene, as a structured array that shares the memory of the scene."""
+
+    def __init__(self, scene: Any, make: Any) -> None:
+        self._scene = scene
+        geoms = scene.geoms
+        self._all: NDArray[Any] = np.zeros(0, MATERIAL)
+        if geoms:
+            layout, start = _layout(make)
+            memory = (ctypes.c_ubyte * (layout.itemsize * len(geoms))).from_address(_address(geoms[0].pos) + start)
+            self._all = np.frombuffer(memory, layout)  # type: ignore[call-overload]
+
+    def now(self) -> NDArray[np.void]:
+        """(N,) the geoms that are used."""
+        return self._all[: self._scene.ngeom]
+
+
+class Instances(NamedTuple):
+    """The instances of shapes that show some geoms.
+
+    Attributes:
+        prepared: the shapes.
+        geoms: (I,) the geom of each instance.
+        scales, offsets: (I, 3) factors of the shape, and its position in the frame of the geom, m.
+        shape: (I,) number of the shape, for `first` and `count`.
+        rows: (N,) first material of each geom.
+        materials, maps: (M,) `MATERIAL` and (M, 4), see `morse.kernel.drawing.arrays.Drawing`.
+        parts: (P, 4) of all instances.
+        owner: (P,) the instance of each part.
+        infinite: numbers of the geoms that are infinite planes.
+        lines: the instances that are lines.
+        ids: (I, 2) int32, id and type of the object of each instance; -1 for no object.
+        opacity: (N,) of the geoms.
+    """
+
+    prepared: Prepared
+    geoms: NDArray[np.intp]
+    scales: NDArray[np.float32]
+    offsets: NDArray[np.float32]
+    rows: NDArray[np.intp]
+    materials: NDArray[np.void]
+    maps: NDArray[np.float32]
+    parts: NDArray[np.int32]
+    owner: NDArray[np.intp]
+    infinite: NDArray[np.intp]
+    lines: NDArray[np.intp]
+    ids: NDArray[np.int32]
+    opacity: NDArray[np.float32]
+
+    def poses(
+        self,
+        g: NDArray[np.void],
+        eye: NDArray[np.floating],
+        forward: NDArray[np.floating],
+        reach: float,
+        focal: float,
+    ) -> Poses:
+        """Return the poses of the instances at the present poses of the geoms; infinite planes follow the camera.
+
+        Args:
+            eye: (3,) position of the camera, around which infinite planes are.
+            forward: (3,) its direction.
+            reach: m, to the border of infinite planes.
+            focal: focal length, pixels: the widths of lines are pixels.
+        """
+        rotation, places = g["mat"].reshape(-1, 3, 3)[self.geoms], g["pos"][self.geoms]
+        # the vertices of skins and flexes are those in the world
+        free = np.isin(g["type"][self.geoms], (SKIN, FLEX))
+        rotation[free], places[free] = np.eye(3), 0.0
+        scales, offsets = self.scales, self.offsets
+        if len(self.infinite):
+            scales = scales.copy()
+            for number in np.flatnonzero(np.isin(self.geoms, self.infinite)):
+                # MuJoCo moves them with the camera, so that their textures stay
+                geom, row = g[self.geoms[number]], self.rows[self.geoms[number]]
+                for axis in range(2):
+                    size, repeat = float(geom["size"][axis]), float(geom["texrepeat"][axis])
+                    if size <= 0:
+                        size = reach
+                        # textures begin in the middle
+                        self.maps[row, axis], self.maps[row, 2 + axis] = repeat * size / GRID_REACH, 0.5
+                    else:
+                        whole = repeat * (size if geom["texuniform"] else 1.0)
+                        self.maps[row, axis], self.maps[row, 2 + axis] = whole / GRID_REACH, whole / 2
+                    scales[number, axis] = size / GRID_REACH
+        if len(self.lines):
+            scales = scales.copy()
+            of = self.geoms[self.lines]
+            middle = g["pos"][of] + rotation[self.lines][:, :, 2] * offsets[self.lines, 2:]
+            depth = np.maximum(((middle - np.asarray(eye, np.float32)) * forward).sum(axis=1), 1e-3)
+            scales[self.lines, :2] = (g["size"][of, 0] * depth / (2 * focal))[:, None]
+        linear = rotation * scales[:, None, :]
+        models = np.empty((len(scales), 3, 4), np.float32)
+        models[:, :, :3] = linear
+        models[:, :, 3] = places + (rotation * offsets[:, None, :]).sum(axis=2)
+        bad = ~(np.abs(models) < 1e7).all(axis=(1, 2))
+        models[bad] = 0.0
+        # the inverse transposed, up to a factor
+        turns = rotation / np.maximum(scales, 1e-12)[:, None, :] * np.maximum(scales.min(axis=1), 1e-12)[:, None, None]
+        turns[bad] = 0.0
+        return Poses(models.reshape(-1, 12), np.ascontiguousarray(turns.reshape(-1, 9), np.float32))
+
+
+def looks_of(g: NDArray[np.void]) -> bytes:
+    """All that the instances of geoms depend on."""
+    return b"".join(g[name].tobytes() for name in _LOOKS if name in (g.dtype.names or ()))
+
+
+#: the parts of types of geoms: name of the shape, which of the three sizes scale x, y and z, and the factor of the
+#: third size with which the part is shifted along z
+_PARTS: dict[int, tuple[tuple[str, tuple[int, int, int], float], ...]] = {
+    SPHERE: (("sphere", (0, 1, 2), 0.0),),
+    ELLIPSOID: (("sphere", (0, 1, 2), 0.0),),
+    CAPSULE: (("tube", (0, 1, 2), 0.0), ("top", (0, 1, 0), 1.0), ("bottom", (0, 1, 0), -1.0)),
+    CYLINDER: (("cylinder", (0, 1, 2), 0.0),),
+    BOX: (("box", (0, 1, 2), 0.0),),
+    LINEBOX: (("box", (0, 1, 2), 0.0),),
+    TRIANGLE: (("triangle", (0, 1, 2), 0.0),),
+}
+#: shapes that are not scaled
+_WHOLE = (MESH, SDF, HFIELD)
+
+
+class _Part(NamedTuple):
+    key: Key
+    geom: int
+    scale: tuple[float, float, float]
+    offset: tuple[float, float, float]
+
+
+def _parts_of(geom: np.void, number: int, kind: int | None, faces: Sequence[int]) -> list[_Part]:
+    """The parts of a geom; `kind` is that of its texture, and `faces` are the numbers of triangles of flexes."""
+    what = int(geom["type"])
+    size = tuple(float(part) for part in geom["size"])
+    if what in (SKIN, FLEX):
+        number_of = int(geom["objid"])
+        key = ("skin", number_of) if what == SKIN else ("flex", number_of, faces[number_of])
+        return [_Part(key, number, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))] if what == SKIN or faces[number_of] else []
+    one, nowhere = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+    if what in _WHOLE:
+        planar = kind == FLAT and not geom["texcoord"]
+        inner: Key
+        if what == HFIELD:
+            inner = ("hfield", int(geom["dataid"]))
+        elif geom["dataid"] % 2:
+            inner = ("hull", int(geom["dataid"]) // 2)
+        else:
+            inner = ("mesh", int(geom["dataid"]) // 2, planar)
+        return [_Part(_mapped(inner, kind, one, size, bool(geom["texuniform"])), number, one, nowhere)]
+    if what in (ARROW, ARROW1, ARROW2, LINE):
+        return _connector(what, size, number)
+    if what == PLANE and (size[0] <= 0 or size[1] <= 0):
+        return [_Part(("grid",), number, one, nowhere)]
+    parts = []
+    if what == PLANE:
+        return [
+            _Part(_mapped(("plane", *_squares(size)), kind, one, one, False), number, (size[0], size[1], 1.0), nowhere)
+        ]
+    for name, sizes, shift in _PARTS.get(what, ()):
+        scale3 = (size[sizes[0]], size[sizes[1]], size[sizes[2]])
+        key = _mapped((name,), kind, scale3, scale3, bool(geom["texuniform"]))
+        parts.append(_Part(key, number, scale3, (0.0, 0.0, shift * size[2])))
+    return parts
+
+
+#: largest number of squares of a plane, along a side in MuJoCo, and in all of those that are drawn here
+_MOST_ASIDE, _MOST_SQUARES = 200, 1024
+
+
+def _squares(size: Sequence[float]) -> tuple[int, int]:
+    """The numbers of squares of a plane along X and Y; 4 of a plane that is lit at each pixel, instead of many."""
+    counts = _all_squares(size)
+    return counts if counts[0] * counts[1] <= _MOST_SQUARES else (4, 4)
+
+
+def _all_squares(size: Sequence[float]) -> tuple[int, int]:
+    spacing = max(float(size[2]), 1e-9)
+    one, other = (int(min(max(math.ceil(2 * float(part) / spacing), 1), _MOST_ASIDE)) for part in size[:2])
+    return one, other
+
+
+def _mapped(inner: Key, kind: int | None, scale: Sequence[float], size: Sequence[float], uniform: bool) -> Key:
+    """The shape, divided at the borders of a cube texture if it has one."""
+    if kind not in (CUBE, SKY):
+        return inner
+    if inner[0] in ("mesh", "hull", "hfield"):
+        factors = (1.0, 1.0, 1.0) if uniform else tuple(1.0 / max(part, 1e-9) for part in size)
+    else:
+        factors = tuple(scale) if uniform else (1.0, 1.0, 1.0)
+    most = max(factors)
+    return ("cube", inner, tuple(round(part / most, 4) for part in factors))
+
+
+def _connector(what: int, size: tuple[float, ...], number: int) -> list[_Part]:
+    """Arrows and lines: from 0 along Z, the third size is the length."""
+    wide, high, length = size
+    if what == LINE:
+        return [_Part(("cylinder",), number, (wide, high, length / 2), (0.0, 0.0, length / 2))]
+    head = min(4.0 * wide, length / 2)
+    both = what == ARROW2
+    tail, end = (head if both else 0.0), length - head
+    parts = [
+        _Part(("cylinder",), number, (wide, high, (end - tail) / 2), (0.0, 0.0, (end + tail) / 2)),
+    ]
+    if what != ARROW1:
+        parts.append(_Part(("cone",), number, (1.75 * wide, 1.75 * high, head), (0.0, 0.0, end)))
+    return parts
+
+
+def instances_of(
+    g: NDArray[np.void], store: ModelStore, kinds: NDArray[np.int32], look: Look, faces: Sequence[int]
+) -> Instances:
+    """Return the instances of geoms.
+
+    Args:
+        kinds: (X,) the kind of each texture of the model.
+        look: makes the materials.
+        faces: numbers of triangles of the flexes.
+    """
+    texids = g["texid"]
+    parts = [
+        part
+        for number in range(len(g))
+        for part in _parts_of(g[number], number, int(kinds[texids[number]]) if texids[number] >= 0 else None, faces)
+    ]
+    prepared = store.prepared([part.key for part in parts])
+    shapes = [prepared.shapes[part.key] for part in parts]
+    geoms = np.array([part.geom for part in parts], np.intp)
+    slots = np.ones(len(g), np.intp)
+    for part, shape in zip(parts, shapes, strict=True):
+        slots[part.geom] = shape.slots
+    rows = np.cumsum(slots) - slots
+    of_row = np.repeat(np.arange(len(g)), slots)
+    materials, maps = look(g, prepared, of_row, np.arange(len(of_row)) - rows[of_row], slots[of_row])
+    counts = np.array([shape.size for shape in shapes], np.intp)
+    firsts = np.array([shape.first for shape in shapes], np.intp)
+    owner = np.repeat(np.arange(len(parts)), counts)
+    table = np.zeros((len(owner), 4), np.int32)
+    table[:, 0] = firsts[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+    table[:, 1] = owner
+    table[:, 2] = rows[geoms[owner]]
+    table[:, 3] = SOLID
+    # of surfaces at the same place, the last one is seen
+    table, owner = np.ascontiguousarray(table[::-1]), owner[::-1].copy()
+    shown = g["segid"][geoms] >= 0
+    ids = np.where(shown[:, None], np.stack([g["objid"][geoms], g["objtype"][geoms]], axis=1), -1).astype(np.int32)
+    infinite = np.flatnonzero((g["type"] == PLANE) & ((g["size"][:, 0] <= 0) | (g["size"][:, 1] <= 0)))
+    return Instances(
+        prepared,
+        geoms,
+        np.array([part.scale for part in parts], np.float32).reshape(-1, 3),
+        np.array([part.offset for part in parts], np.float32).reshape(-1, 3),
+        rows,
+        materials,
+        maps,
+        table,
+        owner,
+        infinite,
+        np.flatnonzero(g["type"][geoms] == LINE),
+        ids.reshape(-1, 2),
+        g["rgba"][:, 3].copy(),
+    )
+
+
+class Look:
+    """Makes the materials of geoms.
+
+    Args:
+        plain: whether colours are used without gamma correction, with the lights of OpenGL.
+    """
+
+    def __init__(self, *, plain: bool) -> None:
+        self._plain = plain
+
+    def __call__(
+        self,
+        g: NDArray[np.void],
+        prepared: Prepared,
+        of_row: NDArray[np.intp],
+        number: NDArray[np.intp],
+        slots: NDArray[np.intp],
+    ) -> tuple[NDArray[np.void], NDArray[np.float32]]:
+        """Return the materials, (M,) `MATERIAL`, and the maps (M, 4) of texture coordinates.
+
+        Args:
+            of_row: (M,) the geom of each material.
+            number: (M,) the picture of a cube texture.
+            slots: (M,) number of materials of the geom.
+        """
+        rows = np.zeros(len(of_row), MATERIAL)
+        own = g[of_row]
+        color = np.nan_to_num(np.clip(own["rgba"][:, :3], 0.0, 1.0), nan=0.0)
+        emission = np.clip(np.nan_to_num(own["emission"]), 0.0, 1e3)[:, None] * color
+        textured = own["texid"] >= 0
+        rows["texture"] = (
+            np.where(textured, prepared.textures[own["texid"]] + number, -1) if len(prepared.textures) else -1
+        )
+        if self._plain:
+            rows["color"][:, :3], rows["emission"] = color, emission
+            rows["metallic"], rows["roughness"] = own["specular"], np.clip(own["shininess"], 0.0, 1.0) * 128
+        else:
+            rows["color"][:, :3], rows["emission"] = linear_light(color), linear_light(emission)
+            rows["roughness"] = np.clip(1.0 - 0.8 * own["shininess"], 0.2, 1.0)
+        rows["color"][:, 3] = 1.0
+        infinite = (own["type"] == PLANE) & ((own["size"][:, 0] <= 0) | (own["size"][:, 1] <= 0))
+        rows["flags"] = HAZED * infinite + DOUBLE_SIDED * np.isin(own["type"], (PLANE, TRIANGLE))
+        fine = [
+            geom["type"] == PLANE and _squares(geom["size"]) != _all_squares(geom["size"]) if not endless else False
+            for geom, endless in zip(own, infinite, strict=True)
+        ]
+        rows["flags"] |= FINE * np.array(fine, np.int32)
+        return rows, self._maps(own, slots)
+
+    def _maps(self, own: NDArray[np.void], slots: NDArray[np.intp]) -> NDArray[np.float32]:
+        maps = np.ones((len(own), 4), np.float32)
+        maps[:, 2:] = 0.0
+        size = np.maximum(own["size"][:, :2], 1e-9)
+        uniform = (own["texuniform"] != 0)[:, None]
+        repeat = own["texrepeat"]
+        planar = np.isin(own["type"], _WHOLE) & (own["texcoord"] == 0)
+        # coordinates that are generated are per metre, others per size
+        maps[:, :2] = repeat * np.where(
+            planar[:, None], np.where(uniform, 1.0, 1.0 / size), np.where(uniform, size, 1.0)
+        )
+        maps[planar, 2:] = 0.5
+        maps[slots == 6] = 1.0, 1.0, 0.0, 0.0
+        return maps

@@ -1,0 +1,288 @@
+"""The lights of a `mujoco.MjvScene`, with their shadows."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import (
+    CAMERA,
+    CLASSIC,
+    CLASSIC_LIGHT,
+    HEMISPHERE,
+    LAMP,
+    MOST_SHADOWS,
+    NO_SURFACE,
+    POINT,
+    SPOT,
+    SUN,
+    Light,
+)
+from morse.kernel.memory import address
+from morse.mathutils.portable import matmul
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing.arrays import Poses
+    from morse.kernel.drawing.native import NativeDrawer
+
+#: kinds of lights in MuJoCo
+_SPOT, _DIRECTIONAL, _POINT, _IMAGE = range(4)
+#: widest half angle of the shadow map of a light, rad
+_WIDEST = 1.4
+#: texels at the border of a map
+_BORDER = 4
+
+
+class Lit(NamedTuple):
+    """A light of a scene.
+
+    Attributes:
+        place, towards: (3,) m, and unit vector against its direction.
+        ambient, diffuse, specular, attenuation: (3,) see ``light`` in MJCF.
+        cutoff: half of the opening angle, rad; pi for all directions.
+        exponent: of the fall-off within the angle.
+        directional, casts: whether it is infinitely far, and whether it casts shadows.
+    """
+
+    place: NDArray[np.float64]
+    towards: NDArray[np.float64]
+    ambient: NDArray[np.float64]
+    diffuse: NDArray[np.float64]
+    specular: NDArray[np.float64]
+    attenuation: NDArray[np.float64]
+    cutoff: float
+    exponent: float
+    directional: bool
+    casts: bool
+
+
+def lights_of(scene: Any) -> list[Lit]:
+    """The lights of a `mujoco.MjvScene` that can be drawn; lights with values that are not finite are left out."""
+    lights = []
+    for light in scene.lights[: scene.nlight]:
+        kind = int(getattr(light, "type", _DIRECTIONAL if getattr(light, "directional", 0) else _SPOT))
+        if kind == _IMAGE:
+            continue
+        place, towards, *colors = (
+            np.array(getattr(light, name), np.float64)
+            for name in ("pos", "dir", "ambient", "diffuse", "specular", "attenuation")
+        )
+        length = math.sqrt(float((towards**2).sum()))
+        if not all(np.isfinite(value).all() for value in (place, towards, *colors)) or (
+            length < 1e-9 and kind != _POINT
+        ):
+            continue
+        directional = bool(light.headlight) or kind == _DIRECTIONAL
+        cutoff = math.pi if kind == _POINT or light.cutoff > 90 else math.radians(light.cutoff)
+        ambient, diffuse, specular, attenuation = colors
+        lights.append(
+            Lit(
+                place,
+                -towards / max(length, 1e-9),
+                ambient,
+                diffuse,
+                specular,
+                attenuation,
+                cutoff=cutoff,
+                exponent=float(light.exponent),
+                directional=directional,
+                casts=bool(light.castshadow) and not light.headlight,
+            )
+        )
+    return lights
+
+
+class ShadowMaps:
+    """The shadow maps of lights; a map is drawn again if its light or a surface has moved.
+
+    Args:
+        texels: along the side of a map.
+    """
+
+    def __init__(self, texels: int) -> None:
+        self._texels = texels
+        self._maps: list[tuple[object, NDArray[np.float32], NDArray[np.float32]]] = []
+
+    def map_of(
+        self,
+        number: int,
+        light: Lit,
+        drawer: NativeDrawer,
+        parts: NDArray[np.int32],
+        poses: Poses,
+        seen: NDArray[np.float64],
+        scale: float,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+        """Return the frame (16,) and the map of a light, see `Light`; None if it casts no shadows that are seen.
+
+        Args:
+            number: of the map, which is kept.
+            parts: (P, 4) the parts that cast shadows.
+            seen: (8, 3) corners around the visible surfaces, m.
+            scale: share of the cone of a light that has shadows; for directional lights, half the width of the map, m.
+        """
+        key = light.place.tobytes(), light.towards.tobytes(), light.cutoff, seen.tobytes(), scale
+        kept = self._maps[number] if number < len(self._maps) else None
+        same = (key, parts.tobytes(), poses.models.tobytes())
+        if kept is not None and kept[0] == same:
+            return kept[1], kept[2]
+        before = drawer.drawing.parts
+        drawer.arrange(parts)
+        draw = self._from_afar if light.directional else self._from_near
+        drawn = draw(light, drawer, poses, seen, scale)
+        drawer.arrange(before)
+        if drawn is not None:
+            self._maps[number : number + 1] = [(same, *drawn)]
+        return drawn
+
+    def _from_afar(
+        self, light: Lit, drawer: NativeDrawer, poses: Poses, seen: NDArray[np.float64], scale: float
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+        axes = _axes_of(light.towards)
+        # the part of the map of MuJoCo, around the light, that is seen
+        places = matmul(seen - light.place, axes[:2].T)
+        low, high = np.maximum(places.min(axis=0), -scale), np.minimum(places.max(axis=0), scale)
+        if not (high > low).all():
+            return None
+        texel = float((high - low).max()) / (self._texels - 2 * _BORDER)
+        frame = np.zeros(16)
+        frame[:12] = np.column_stack([axes, np.zeros(3)]).ravel()
+        for row in range(2):
+            frame[4 * row + 3] = _BORDER * texel - low[row] - float((axes[row] * light.place).sum())
+        frame[:8] /= texel
+        frame[12] = texel
+        width, height = (min(int(side / texel) + 2 * _BORDER + 1, self._texels) for side in high - low)
+        shadow = np.full((height, width), NO_SURFACE, np.float32)
+        own = NO_LIGHT._replace(sun=frame.astype(np.float32), shadow=shadow)
+        drawer.cast_shadows(np.arange(len(drawer.drawing.parts)), poses, own)
+        return own.sun, shadow
+
+    def _from_near(
+        self, light: Lit, drawer: NativeDrawer, poses: Poses, seen: NDArray[np.float64], scale: float
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+        angle = light.cutoff * scale
+        if angle > _WIDEST:
+            return None
+        right, up, back = _axes_of(light.towards)
+        axes = np.stack([right, -up, -back])
+        places = matmul(seen - light.place, axes.T)
+        # the part of the map of MuJoCo that is seen
+        low, high = np.full(2, -math.tan(angle)), np.full(2, math.tan(angle))
+        if (places[:, 2] > 1e-3).all():
+            flat = places[:, :2] / places[:, 2:]
+            low, high = np.maximum(low, flat.min(axis=0)), np.minimum(high, flat.max(axis=0))
+        if not (high > low).all():
+            return None
+        focal = (self._texels - 2 * _BORDER) / float((high - low).max())
+        width, height = (min(int(side * focal) + 2 * _BORDER + 1, self._texels) for side in high - low)
+        cx, cy = _BORDER - low * focal
+        camera = np.zeros(1, CAMERA)
+        camera["fx"] = camera["fy"] = focal
+        camera["cx"], camera["cy"] = cx, cy
+        camera["width"], camera["height"] = width, height
+        camera["near"], camera["far"] = 0.01, 1e4
+        camera["axes"], camera["eye"], camera["exposure"] = axes.ravel(), light.place, 1.0
+        depth = drawer.draw(camera, poses, NO_LIGHT, 1).depth
+        shadow = np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).astype(np.float32).reshape(height, width)
+        matrix = matmul(np.array([[focal, 0, cx], [0, focal, cy], [0, 0, 1.0]]), axes)
+        frame = np.zeros(16)
+        frame[:12] = np.column_stack([matrix, matmul(-matrix, light.place)]).ravel()
+        frame[12] = 1 / focal
+        return frame.astype(np.float32), shadow
+
+
+def _axes_of(towards: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3, 3) rows: two directions perpendicular to the light, and that towards it."""
+    right = np.cross(towards, (0.0, 1.0, 0.0) if abs(towards[1]) < 0.9 else (1.0, 0.0, 0.0))
+    right /= math.sqrt(float((right**2).sum()))
+    return np.stack([right, np.cross(towards, right), towards])
+
+
+#: no lamps of scenes
+NO_LIGHT = Light(np.zeros(0, LAMP), np.zeros(20, np.float32), np.zeros(16, np.float32), None)
+
+
+class Surroundings(NamedTuple):
+    """What a scene has besides geoms and lights.
+
+    Attributes:
+        sky: number of the first of six textures, -1 without.
+        haze: (3,) colour; ring: share of the radius; far: m; plane: (4,) normal and offset, None without haze.
+        fog: (3,) colour, begin and end, m; None without.
+    """
+
+    sky: int
+    haze: NDArray[np.float64]
+    ring: float
+    far: float
+    plane: NDArray[np.float64] | None
+    fog: tuple[NDArray[np.float64], float, float] | None
+
+
+def classic(
+    lights: list[Lit], maps: list[tuple[NDArray[np.float32], NDArray[np.float32]] | None], around: Surroundings
+) -> Light:
+    """The lights of OpenGL; `maps` are those of each light."""
+    rows = np.zeros(len(lights), CLASSIC_LIGHT)
+    number = 0
+    for row, light, shadow in zip(rows, lights, maps, strict=True):
+        for name in ("place", "towards", "ambient", "diffuse", "specular", "attenuation"):
+            row[name] = getattr(light, name)
+        row["cutoff"] = -1.0 if light.cutoff >= math.pi else math.cos(light.cutoff)
+        row["exponent"], row["directional"] = light.exponent, light.directional
+        if shadow is not None and number < MOST_SHADOWS:
+            number += 1
+            row["number"], row["frame"] = number, shadow[0]
+            row["height"], row["width"] = shadow[1].shape
+            row["shadow"] = address(shadow[1]) or 0
+    rest = np.zeros(1, CLASSIC)
+    rest["light_count"], rest["shadow_count"], rest["sky"] = len(lights), number, around.sky
+    rest["haze"], rest["ring"], rest["far"] = around.haze, max(around.ring, 1e-6), around.far
+    if around.plane is not None:
+        rest["hazy"], rest["plane"] = 1, around.plane
+    if around.fog is not None:
+        rest["foggy"], (rest["fog"], rest["fog_start"], rest["fog_end"]) = 1, around.fog
+    return NO_LIGHT._replace(classic=rest, classic_lights=rows)
+
+
+#: light of a white surface that is lit by a light with a diffuse colour of 1
+_FULL = math.pi
+#: colours of the sky of scenes: horizon, zenith, ground and glow, linear
+_SKY = ((0.905, 0.939, 0.965), (0.156, 0.381, 0.730), (0.546, 0.597, 0.645), (1.0, 0.880, 0.672))
+
+
+def of_scenes(
+    lights: list[Lit], maps: list[tuple[NDArray[np.float32], NDArray[np.float32]] | None], around: Surroundings
+) -> Light:
+    """The lamps of scenes: a sun and a spot with shadows, the other lights without, and light of the sky."""
+    rows: list[tuple[object, ...]] = []
+    light_of_scene = NO_LIGHT
+    ambient = np.full(3, 0.12)
+    towards = np.array([0.35, -0.45, 0.82])
+    for light, shadow in zip(lights, maps, strict=True):
+        ambient += light.ambient
+        color, here, to = light.diffuse * _FULL, tuple(light.place), tuple(light.towards)
+        none = (0.0, 0.0, 0.0)
+        if light.directional:
+            casts = shadow is not None and light_of_scene.shadow is None
+            if shadow is not None and casts:
+                light_of_scene = light_of_scene._replace(sun=shadow[0], shadow=shadow[1])
+                towards = light.towards
+            rows.append((SUN, none, to, tuple(color), 0.0, float(casts), 0.0, none))
+        elif light.cutoff >= math.pi / 2 - 1e-3:
+            rows.append((POINT, here, to, tuple(color), 0.0, 0.0, 0.0, none))
+        else:
+            casts = shadow is not None and light_of_scene.lamp_shadow is None
+            if shadow is not None and casts:
+                light_of_scene = light_of_scene._replace(lamp_frame=shadow[0], lamp_shadow=shadow[1])
+            outer, inner = math.cos(light.cutoff), math.cos(0.6 * light.cutoff)
+            rows.append((SPOT, here, to, tuple(color), 0.0, outer, inner, (float(casts), 0.0, 0.0)))
+    above = ambient * _FULL
+    rows.append((HEMISPHERE, (0, 0, 0), (0, 0, 1), tuple(above), 0.0, 0.0, 0.0, tuple(0.7 * above)))
+    mist = (0.0, 0.0) if around.fog is None else (around.fog[1], max(around.fog[2] - around.fog[1], 1e-3))
+    sky = np.concatenate([*_SKY, towards, mist, np.zeros(3)]).astype(np.float32)
+    return light_of_scene._replace(lamps=np.array(rows, LAMP), sky=sky)

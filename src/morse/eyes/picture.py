@@ -1,0 +1,466 @@
+"""Draws pictures of a `mujoco.MjvScene` with the renderer of scenes."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.eyes.geoms import (
+    FLEX,
+    HFIELD,
+    LINE,
+    MESH,
+    PLANE,
+    SKIN,
+    GeomArray,
+    Instances,
+    Look,
+    instances_of,
+    looks_of,
+)
+from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_scenes
+from morse.eyes.store import SKY, store_of
+from morse.kernel.drawing.arrays import CAMERA, Poses
+from morse.kernel.drawing.native import NativeDrawer, drawer
+from morse.rendering.meshes import spheres_around
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.eyes.light import Lit
+    from morse.eyes.store import Prepared
+    from morse.kernel.drawing.arrays import Light, Pictures
+
+#: names of the looks
+LOOKS = ("classic", "morse")
+#: opacity from which on a surface hides what is behind it
+_OPAQUE = 0.995
+#: opacity of a plane from behind, in MuJoCo
+_FROM_BEHIND = 0.3
+#: texels along the side of a shadow map: at least, and at most
+_FEWEST_TEXELS, _MOST_TEXELS = 256, 1024
+#: distance of the pinhole that stands for an orthographic camera, in units of the far plane
+_AFAR = 6.0
+
+
+class View(NamedTuple):
+    """A camera of a scene.
+
+    Attributes:
+        eye: (3,) m.
+        axes: (3, 3) right, down and forward, in rows.
+        fx, fy, cx, cy: pixels; the centre of the first pixel is at 0.5.
+        near, far: m, along the axis.
+        shift: m that are subtracted from depths; 0 for perspective cameras.
+        width, height: pixels.
+    """
+
+    eye: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    near: float
+    far: float
+    shift: float
+    width: int
+    height: int
+
+    def row(self, *, color: bool) -> NDArray[np.void]:
+        """(1,) `CAMERA`."""
+        camera = np.zeros(1, CAMERA)
+        for name in ("fx", "fy", "cx", "cy", "near", "far", "eye", "width", "height"):
+            camera[name] = getattr(self, name)
+        camera["axes"], camera["exposure"], camera["color"] = self.axes.ravel(), 1.0, color
+        return camera
+
+    def cut(self, box: tuple[int, int, int, int]) -> View:
+        """The part of the picture from a column and a row to before others."""
+        x0, y0, x1, y1 = box
+        return self._replace(cx=self.cx - x0, cy=self.cy - y0, width=x1 - x0, height=y1 - y0)
+
+    def mirrored(self, plane: NDArray[np.float64]) -> View:
+        """The view from behind a mirror (normal and offset), with columns from right to left."""
+        normal = plane[:3]
+
+        def turned(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.asarray(vector - 2 * float((vector * normal).sum()) * normal)
+
+        eye = self.eye - 2 * (float((self.eye * normal).sum()) - plane[3]) * normal
+        right, down, forward = (turned(axis) for axis in self.axes)
+        return self._replace(eye=eye, axes=np.stack([-right, down, forward]), cx=self.width - self.cx)
+
+
+def view_of(scene: Any, width: int, height: int) -> View:
+    """The view of a scene, between its two cameras.
+
+    Raises:
+        ValueError: the camera is not finite, or has no size.
+    """
+    pair = scene.camera[:2]
+    eye, forward, up = (
+        np.mean([np.array(getattr(camera, name), float) for camera in pair], axis=0)
+        for name in ("pos", "forward", "up")
+    )
+    top, bottom, near, far, centre = (
+        float(np.mean([getattr(camera, f"frustum_{name}") for camera in pair]))
+        for name in ("top", "bottom", "near", "far", "center")
+    )
+    numbers = np.array([*eye, *forward, *up, top, bottom, near, far, centre])
+    length = math.sqrt(float((forward**2).sum()))
+    if not np.isfinite(numbers).all() or length < 1e-9 or not top > bottom or not 0 < near < far:
+        raise ValueError(
+            f"The camera of the scene cannot be drawn: its position is {eye.tolist()}, its direction "
+            f"{forward.tolist()}, its frustum is from {bottom:g} to {top:g} between {near:g} and {far:g} m. Call "
+            "update_scene first, with a state whose numbers are finite."
+        )
+    forward /= length
+    up -= float((up * forward).sum()) * forward
+    up /= max(math.sqrt(float((up**2).sum())), 1e-9)
+    right = np.cross(forward, up)
+    focal = height / (top - bottom)
+    shift = 0.0
+    cx, cy = width / 2 - centre * height / (top - bottom), height * top / (top - bottom)
+    if pair[0].orthographic:
+        # a pinhole that is so far away that its rays are nearly parallel
+        shift = _AFAR * far
+        eye = eye - shift * forward
+    focal *= shift or near
+    axes = np.stack([right, -up, forward])
+    return View(eye, axes, focal, focal, cx, cy, near + shift, far + shift, shift, width, height)
+
+
+class Artist:
+    """Draws scenes of one model; what it keeps only saves time.
+
+    Args:
+        model: `mujoco.MjModel`.
+        look: one of `LOOKS`.
+        texels: along the side of shadow maps.
+    """
+
+    def __init__(self, model: Any, look: str, texels: int) -> None:
+        self._model, self._plain = model, look == "classic"
+        self._store = store_of(model, plain=self._plain)
+        self._kinds = np.array(model.tex_type, np.int32)
+        self._kinds_of_flexes = np.array(getattr(model, "flex_dim", ()), np.int32)
+        self._skies = np.flatnonzero(self._kinds == SKY)
+        self._maps = ShadowMaps(min(max(texels, _FEWEST_TEXELS), _MOST_TEXELS, int(model.vis.quality.shadowsize)))
+        self._look = Look(plain=self._plain)
+        self._of: bytes | None = None
+        self._instances: Instances | None = None
+        self._drawer: NativeDrawer | None = None
+
+    def surfaces(self, scene: Any, geoms: GeomArray, view: View) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        """The depth (H, W), m, and the ids (H, W, 2), id and type, of all geoms as opaque ones."""
+        g = geoms.now()
+        instances, draw = self._arranged(g, scene)
+        poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
+        draw.arrange(instances.parts, maps=instances.maps)
+        pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1)
+        depth = pictures.depth.reshape(view.height, view.width)
+        # the background is at the far plane
+        depth = np.where(depth > 0.0, depth, np.float32(view.far)) - np.float32(view.shift)
+        table = np.concatenate([instances.ids, np.full((1, 2), -1, np.int32)])
+        return depth, table[pictures.ids].reshape(view.height, view.width, 2)
+
+    def colors(self, scene: Any, geoms: GeomArray, view: View) -> NDArray[np.uint8]:
+        """The colours (H, W, 3) of a scene."""
+        g = geoms.now()
+        instances, draw = self._arranged(g, scene)
+        poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
+        opacity = np.array(instances.opacity)
+        behind = (g["type"] == PLANE) & (((view.eye - g["pos"]) * g["mat"].reshape(-1, 3, 3)[:, :, 2]).sum(axis=1) < 0)
+        opacity[behind] *= _FROM_BEHIND
+        clear = opacity < _OPAQUE
+        hidden = clear[instances.geoms]
+        part_clear = hidden[instances.owner]
+        solid = instances.parts[~part_clear]
+        lights, around = lights_of(scene), self._around(g, scene.flags, view)
+        maps = self._shadows(scene, g, instances, draw, lights, poses, view)
+        make = classic if self._plain else of_scenes
+        picture = _Composition(draw, instances, solid, poses, make(lights, maps, around), view)
+        if scene.flags[_REFLECTION]:
+            for number in np.flatnonzero((g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind):
+                picture.reflect(int(number), g, make(lights, [None] * len(lights), _NOTHING))
+        for numbers, box in _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view):
+            picture.cover(numbers, box, float(opacity[numbers[0]]))
+        return picture.codes()
+
+    def _arranged(self, g: NDArray[np.void], scene: Any) -> tuple[Instances, NativeDrawer]:
+        """The instances of the geoms of a scene, which change seldom, and what draws them."""
+        looks = looks_of(g)
+        if self._instances is None or looks != self._of:
+            faces = scene.flexfacenum if len(self._kinds_of_flexes) else ()
+            instances = instances_of(g, self._store, self._kinds, self._look, faces)
+            if self._drawer is None or self._instances is None or self._instances.prepared is not instances.prepared:
+                self._drawer = _drawer_of(instances.prepared)
+            slots = np.arange(len(instances.materials), dtype=np.int32)
+            self._drawer.arrange(instances.parts, slots, instances.materials, instances.maps)
+            self._of, self._instances = looks, instances
+        assert self._drawer is not None
+        if self._instances.prepared.moving:
+            self._move(scene)
+        return self._instances, self._drawer
+
+    def _move(self, scene: Any) -> None:
+        """Take over the vertices of skins and flexes."""
+        assert self._drawer is not None
+        assert self._instances is not None
+        drawing, prepared = self._drawer.drawing, self._instances.prepared
+        begin = len(drawing.clusters)
+        for key, (place, numbers) in prepared.moving.items():
+            points, normals, uvs = _skin(scene, self._model, key[1]) if key[0] == "skin" else _flex(scene, key[1])
+            vertices = drawing.vertices[place]
+            vertices["p"], vertices["n"], vertices["uv"] = points[numbers], normals[numbers], uvs[numbers]
+            shape = prepared.shapes[key]
+            own = slice(shape.first, shape.first + shape.size)
+            firsts = drawing.clusters[own, 0] - place.start
+            if len(firsts):
+                drawing.spheres[own] = spheres_around(np.nan_to_num(vertices["p"], posinf=0.0, neginf=0.0), firsts)
+                drawing.guards[own], drawing.levels[own, :4] = drawing.spheres[own, 3], drawing.spheres[own]
+            begin = min(begin, shape.first)
+        self._drawer.reshape(begin)
+
+    def _shadows(
+        self,
+        scene: Any,
+        g: NDArray[np.void],
+        instances: Instances,
+        draw: NativeDrawer,
+        lights: list[Lit],
+        poses: Poses,
+        view: View,
+    ) -> list[tuple[NDArray[np.float32], NDArray[np.float32]] | None]:
+        """The shadow maps of lights."""
+        maps: list[Any] = [None] * len(lights)
+        casting = g["castshadow"] != 0 if "castshadow" in (g.dtype.names or ()) else np.ones(len(g), bool)
+        if not scene.flags[_SHADOW] or not casting.any():
+            return maps
+        model = self._model
+        parts, owner = instances.parts, instances.geoms[instances.owner]
+        seen = _seen(g[g["type"] != PLANE], view)
+        for number, n in enumerate(n for n, light in enumerate(lights) if light.casts):
+            light, casters = lights[n], casting
+            scale = float(model.vis.map.shadowscale)
+            if light.directional:
+                scale = float(model.vis.map.shadowclip) * float(model.stat.extent)
+                # what is behind the light casts no shadow
+                casters = casters & (((g["pos"] - light.place) * light.towards).sum(axis=1) < 0)
+            maps[n] = self._maps.map_of(number, light, draw, parts[casters[owner]], poses, seen, scale)
+        return maps
+
+    def _around(self, g: NDArray[np.void], flags: Any, view: View) -> Surroundings:
+        model = self._model
+        rgba, settings, extent = model.vis.rgba, model.vis.map, float(model.stat.extent)
+        assert self._instances is not None
+        sky = -1
+        if len(self._skies) and flags[_SKYBOX]:
+            sky = int(self._instances.prepared.textures[self._skies[0]])
+        plane = None
+        if flags[_HAZE] and sky >= 0 and len(self._instances.infinite):
+            geom = g[self._instances.infinite[0]]
+            normal = geom["mat"].reshape(3, 3)[:, 2].astype(np.float64)
+            plane = np.array([*normal, float((normal * geom["pos"]).sum())])
+        fog = None
+        if flags[_FOG]:
+            fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent, settings.fogend * extent)
+        return Surroundings(
+            sky, np.array(rgba.haze[:3], float), float(settings.haze), view.far - view.shift, plane, fog
+        )
+
+
+def _drawer_of(prepared: Prepared) -> NativeDrawer:
+    """A renderer of shapes, which shares memory with others unless the shapes move."""
+    if not prepared.moving:
+        return drawer(prepared.drawing, prepared.drawer)
+    names = ("vertices", "spheres", "guards", "levels", "closed")
+    own = prepared.drawing._replace(**{name: getattr(prepared.drawing, name).copy() for name in names})
+    for key in prepared.moving:
+        shape = prepared.shapes[key]
+        first, last = own.clusters[shape.first], own.clusters[shape.first + shape.size - 1]
+        own.closed[first[2] : last[2] + last[3]] = 0
+    return drawer(own)
+
+
+def _skin(scene: Any, model: Any, number: int) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    """(V, 3) vertices, (V, 3) normals and (V, 2) texture coordinates of a skin."""
+    first, count = int(scene.skinvertadr[number]), int(scene.skinvertnum[number])
+    part = slice(first, first + count)
+    start = int(model.skin_texcoordadr[number])
+    uvs = np.zeros((count, 2), np.float32)
+    if start >= 0:
+        uvs = model.skin_texcoord.reshape(-1, 2)[start : start + count]
+    return scene.skinvert.reshape(-1, 3)[part], scene.skinnormal.reshape(-1, 3)[part], uvs
+
+
+def _flex(scene: Any, number: int) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    """The same of the corners of the triangles of a flex; triangles that are not used are at one point."""
+    first, count = int(scene.flexfaceadr[number]), int(scene.flexfacenum[number])
+    part, used = slice(first, first + count), int(scene.flexfaceused[number])
+    points = scene.flexface.reshape(-1, 3, 3)[part].copy()
+    points[used:] = points[:1, :1] if len(points) else 0.0
+    normals = scene.flexnormal.reshape(-1, 3, 3)[part]
+    uvs = scene.flextexcoord.reshape(-1, 3, 2)[part]
+    return points.reshape(-1, 3), normals.reshape(-1, 3), uvs.reshape(-1, 2)
+
+
+# rendering flags (`mujoco.mjtRndFlag`)
+_SHADOW, _WIREFRAME, _REFLECTION, _ADDITIVE, _SKYBOX, _FOG, _HAZE = range(7)
+_NOTHING = Surroundings(-1, np.ones(3), 0.3, 1.0, None, None)
+
+
+def _seen(g: NDArray[np.void], view: View) -> NDArray[np.float64]:
+    """(8, 3) the corners of the part of a view in which geoms may be, with what is right behind them, m."""
+    reach = _reach(g)
+    depth = ((g["pos"] - view.eye) * view.axes[2]).sum(axis=1)
+    least, most = view.near, view.far
+    if len(g):
+        least = min(max(float((depth - reach).min()), view.near), 0.99 * view.far)
+        most = min(max(float((depth + reach).max()) * 1.5, 1.01 * least), view.far)
+    right, down, forward = view.axes
+    return np.array(
+        [
+            view.eye + at * (x * right + y * down + forward)
+            for at in (least, most)
+            for x in (-view.cx / view.fx, (view.width - view.cx) / view.fx)
+            for y in (-view.cy / view.fy, (view.height - view.cy) / view.fy)
+        ]
+    )
+
+
+def _reach(g: NDArray[np.void]) -> NDArray[np.float32]:
+    """(N,) radii of spheres around the positions of geoms, m."""
+    size = np.abs(g["size"])
+    own = np.sqrt((size**2).sum(axis=1)) + size.max(axis=1)
+    known = g["modelrbound"] if "modelrbound" in (g.dtype.names or ()) else np.zeros(len(g))
+    return np.asarray(np.where(known > 0, known, own), np.float32)
+
+
+class _Composition:
+    """A picture to which reflections and translucent surfaces are added; numbers are codes, 0 to 255."""
+
+    def __init__(
+        self,
+        draw: NativeDrawer,
+        instances: Instances,
+        solid: NDArray[np.int32],
+        poses: Poses,
+        light: Light,
+        view: View,
+    ) -> None:
+        self._draw, self._instances, self._solid = draw, instances, solid
+        self._poses, self._light, self._view = poses, light, view
+        pictures = self._drawn(solid, view)
+        self._first = pictures.rgba.reshape(view.height, view.width, 4)
+        self._ids = pictures.ids.reshape(view.height, view.width)
+        self._total: NDArray[np.float32] | None = None
+
+    def _drawn(self, parts: NDArray[np.int32], view: View, light: Light | None = None) -> Pictures:
+        self._draw.arrange(parts)
+        return self._draw.draw(view.row(color=True), self._poses, light or self._light, 5)
+
+    def _sum(self) -> NDArray[np.float32]:
+        if self._total is None:
+            self._total = self._first[..., :3].astype(np.float32)
+        return self._total
+
+    def codes(self) -> NDArray[np.uint8]:
+        """(H, W, 3) the picture."""
+        if self._total is None:
+            return np.ascontiguousarray(self._first[..., :3])
+        return (np.clip(self._total, 0.0, 255.0) + np.float32(0.5)).astype(np.uint8)
+
+    def reflect(self, number: int, g: NDArray[np.void], light: Light) -> None:
+        """Add what a plane reflects, in another light: without shadows."""
+        mask = np.isin(self._ids, np.flatnonzero(self._instances.geoms == number))
+        if not mask.any():
+            return
+        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        geom, view = g[number], self._view
+        normal = geom["mat"].reshape(3, 3)[:, 2].astype(np.float64)
+        plane = np.array([*normal, float((normal * geom["pos"]).sum())])
+        # reflecting surfaces are not reflected
+        others = self._solid[g["reflectance"][self._instances.geoms[self._solid[:, 1]]] <= 0]
+        box = (view.width - int(columns[-1]) - 1, int(rows[0]), view.width - int(columns[0]), int(rows[-1]) + 1)
+        own = view.mirrored(plane).cut(box)
+        pictures = self._drawn(others, own, light)
+        seen = (pictures.ids >= 0).reshape(own.height, own.width)[:, ::-1]
+        image = pictures.rgba.reshape(own.height, own.width, 4)[:, ::-1, :3]
+        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        share = np.where(seen & mask[part], np.float32(geom["reflectance"]), np.float32(0.0))
+        self._sum()[part] += share[..., None] * image
+
+    def cover(self, numbers: list[int], box: tuple[int, int, int, int], opacity: float) -> None:
+        """Draw translucent geoms, which are in a box, over the picture."""
+        view = self._view
+        own = np.flatnonzero(np.isin(self._instances.geoms, numbers))
+        parts = self._instances.parts[np.isin(self._instances.owner, own)]
+        pictures = self._drawn(np.concatenate([self._solid, parts]), view.cut(box))
+        x0, y0, x1, y1 = box
+        part = slice(y0, y1), slice(x0, x1)
+        image = pictures.rgba.reshape(y1 - y0, x1 - x0, 4)[..., :3].astype(np.float32)
+        mask = np.isin(pictures.ids, own).reshape(y1 - y0, x1 - x0, 1)
+        # MuJoCo draws translucent surfaces twice
+        share = np.float32(1 - (1 - opacity) ** 2)
+        total, first = self._sum()[part], self._first[part][..., :3].astype(np.float32)
+        total += share * (image - first + mask * (first - total))
+
+
+#: number of layers of translucent geoms, beyond which those of equal opacity do not show each other
+_MOST_LAYERS = 12
+
+
+def _layers(
+    g: NDArray[np.void], numbers: NDArray[np.intp], opacity: NDArray[np.float32], view: View
+) -> list[tuple[list[int], tuple[int, int, int, int]]]:
+    """Geoms that are drawn together, the farthest first, and the pixels around them."""
+    numbers = numbers[np.isfinite(g["pos"][numbers]).all(axis=1)]
+    far = dict(zip(numbers.tolist(), ((g["pos"][numbers] - view.eye) * view.axes[2]).sum(axis=1), strict=True))
+    layers: list[tuple[list[int], list[tuple[int, int, int, int]]]] = []
+    for number in sorted(numbers.tolist(), key=lambda n: -far[n]):
+        box = _box_of(g[number], view)
+        if box is None:
+            continue
+        last = layers[-1] if layers else None
+        if last is not None and opacity[last[0][0]] == opacity[number]:
+            apart = all(box[0] >= one[2] or one[0] >= box[2] or box[1] >= one[3] or one[1] >= box[3] for one in last[1])
+            if apart or len(numbers) > _MOST_LAYERS:
+                last[0].append(number)
+                last[1].append(box)
+                continue
+        layers.append(([number], [box]))
+    return [
+        (members, tuple(int(f(box[i] for box in boxes)) for i, f in enumerate((min, min, max, max))))  # type: ignore[misc]
+        for members, boxes in layers
+    ]
+
+
+def _box_of(geom: np.void, view: View) -> tuple[int, int, int, int] | None:
+    """The pixels that a geom may fill: first column and row, and those after the last ones; None for none."""
+    if geom["type"] == PLANE:
+        return 0, 0, view.width, view.height
+    if geom["type"] in (SKIN, FLEX, LINE):
+        return 0, 0, view.width, view.height
+    reach = float(_reach(np.array([geom]))[0]) * (2.0 if geom["type"] in (MESH, HFIELD) else 1.0)
+    x, y, depth = ((geom["pos"] - view.eye) * view.axes).sum(axis=1)
+    if not math.isfinite(depth + reach):
+        return None
+    near = depth - reach
+    if depth + reach < view.near:
+        return None
+    if near < view.near:
+        return 0, 0, view.width, view.height
+    bounds = []
+    for at, focal, middle, size in ((x, view.fx, view.cx, view.width), (y, view.fy, view.cy, view.height)):
+        # the nearer end of the sphere is farther from the middle of the picture
+        low, high = (
+            focal * (at + side * reach) / (near if (at + side * reach) * side > 0 else depth + reach)
+            for side in (-1, 1)
+        )
+        bounds.append((max(math.floor(low + middle) - 1, 0), min(math.ceil(high + middle) + 1, size)))
+    (x0, x1), (y0, y1) = bounds
+    return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None

@@ -1,0 +1,205 @@
+"""A drop-in for `mujoco.Renderer` that needs neither OpenGL nor a display."""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.eyes.geoms import GeomArray
+from morse.eyes.picture import LOOKS, Artist, view_of
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+    from numpy.typing import NDArray
+
+
+class Renderer:
+    """Renders pictures of a model of MuJoCo; arguments, methods and errors are those of `mujoco.Renderer`.
+
+    Args:
+        model: `mujoco.MjModel`.
+        height, width: of the pictures, pixels; at most those of the offscreen buffer of the model.
+        max_geom: largest number of geoms of a scene.
+        font_scale: ignored: texts are not drawn.
+        look: ``classic`` for the look of MuJoCo's own renderer, ``morse`` for that of the cameras of MORSE.
+
+    Raises:
+        ValueError: the size is larger than the offscreen buffer or not positive, or the look is unknown.
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        height: int = 240,
+        width: int = 320,
+        max_geom: int = 10000,
+        font_scale: object = None,
+        *,
+        look: str = "classic",
+    ) -> None:
+        del font_scale
+        self._artist: Artist | None = None
+        buffer = model.vis.global_
+        for name, size, most in (("width", width, buffer.offwidth), ("height", height, buffer.offheight)):
+            if size < 1:
+                raise ValueError(f"Image {name} {size} is not positive.")
+            if size > most:
+                raise ValueError(
+                    f"Image {name} {size} > framebuffer {name} {most}. Either reduce the image {name} or specify a "
+                    f'larger offscreen framebuffer in the model XML: <visual><global off{name}="{size}"/></visual>'
+                )
+        if look not in LOOKS:
+            raise ValueError(f"The look {look!r} does not exist; there are: {', '.join(LOOKS)}.")
+        self._model, self._width, self._height = model, width, height
+        self._scene = mujoco.MjvScene(model=model, maxgeom=max_geom)
+        self._geoms = GeomArray(self._scene, _three_geoms)
+        self._scene_option = mujoco.MjvOption()
+        self._artist = Artist(model, look, 2 * max(width, height))
+        self._mode = "color"
+        #: what draws serves one call at a time
+        self._lock = Lock()
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The model."""
+        return self._model
+
+    @property
+    def scene(self) -> mujoco.MjvScene:
+        """The scene; geoms may be appended after `update_scene`."""
+        return self._scene
+
+    @property
+    def height(self) -> int:
+        """Of the pictures, pixels."""
+        return self._height
+
+    @property
+    def width(self) -> int:
+        """Of the pictures, pixels."""
+        return self._width
+
+    def enable_depth_rendering(self) -> None:
+        """Let `render` return depths."""
+        self._mode = "depth"
+
+    def disable_depth_rendering(self) -> None:
+        """Let `render` return colours again."""
+        if self._mode == "depth":
+            self._mode = "color"
+
+    def enable_segmentation_rendering(self) -> None:
+        """Let `render` return ids."""
+        self._mode = "ids"
+
+    def disable_segmentation_rendering(self) -> None:
+        """Let `render` return colours again."""
+        if self._mode == "ids":
+            self._mode = "color"
+
+    def update_scene(
+        self,
+        data: mujoco.MjData,
+        camera: int | str | mujoco.MjvCamera = -1,
+        scene_option: mujoco.MjvOption | None = None,
+    ) -> None:
+        """Take over the present state; pictures show it until the next call.
+
+        Args:
+            data: the state; `mujoco.mj_forward` has been called.
+            camera: number or name of a camera of the model, -1 for the free camera, or any camera.
+            scene_option: which groups and elements are shown.
+
+        Raises:
+            RuntimeError: the renderer is closed.
+            ValueError: there is no such camera.
+        """
+        self._open("update_scene")
+        if not isinstance(camera, mujoco.MjvCamera):
+            camera = _camera_of(self._model, camera)
+        # infinite planes are placed around the camera of the scene, which would be that of the last call
+        mujoco.mjv_updateCamera(self._model, data, camera, self._scene)
+        mujoco.mjv_updateScene(
+            self._model,
+            data,
+            scene_option or self._scene_option,
+            None,
+            camera,
+            mujoco.mjtCatBit.mjCAT_ALL.value,
+            self._scene,
+        )
+
+    def render(self, *, out: NDArray[Any] | None = None) -> NDArray[Any]:
+        """Return the picture.
+
+        Args:
+            out: array into which it is written, of the same shape.
+
+        Returns:
+            (H, W, 3) uint8 colours; or (H, W) float32 depths along the axis, m; or (H, W, 2) int32 ids and types of
+            objects, -1 for none.
+
+        Raises:
+            RuntimeError: the renderer is closed.
+            ValueError: `out` has another shape, or the scene has no finite camera.
+        """
+        artist = self._open("render")
+        shape = (self._height, self._width, *{"color": (3,), "depth": (), "ids": (2,)}[self._mode])
+        if out is not None and out.shape != shape:
+            raise ValueError(f"Expected out.shape == {shape}. Got out.shape={out.shape} instead.")
+        view = view_of(self._scene, self._width, self._height)
+        with self._lock:
+            if self._mode == "color":
+                picture: NDArray[Any] = artist.colors(self._scene, self._geoms, view)
+            else:
+                depth, ids = artist.surfaces(self._scene, self._geoms, view)
+                picture = depth if self._mode == "depth" else ids
+        if out is None:
+            return picture
+        np.copyto(out, picture, casting="unsafe")
+        return out
+
+    def close(self) -> None:
+        """Release the memory; `render` cannot be called afterwards."""
+        self._artist = None
+
+    def _open(self, what: str) -> Artist:
+        if self._artist is None:
+            raise RuntimeError(f"{what} cannot be called after close.")
+        return self._artist
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _three_geoms() -> mujoco.MjvScene:
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    return mujoco.MjvScene(model, maxgeom=3)
+
+
+def _camera_of(model: mujoco.MjModel, camera: int | str) -> mujoco.MjvCamera:
+    number = camera
+    if isinstance(number, str):
+        number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA.value, number)
+        if number == -1:
+            raise ValueError(f'The camera "{camera}" does not exist.')
+    if not -1 <= number < model.ncam:
+        raise ValueError(f"The camera id {number} is out of range [-1, {model.ncam}).")
+    view = mujoco.MjvCamera()
+    view.fixedcamid = number
+    if number == -1:
+        view.type = mujoco.mjtCamera.mjCAMERA_FREE
+        mujoco.mjv_defaultFreeCamera(model, view)
+    else:
+        view.type = mujoco.mjtCamera.mjCAMERA_FIXED
+    return view

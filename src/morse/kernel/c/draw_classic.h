@@ -1,0 +1,215 @@
+// The look of MuJoCo's own renderer, the fixed pipeline of OpenGL: light is computed at the corners of triangles, each
+// light with shadows by itself, and added up without gamma correction.
+#pragma once
+#include <math.h>
+
+#include "draw_light.h"
+#include "draw_looks.h"
+#include "draw_texture.h"
+#include "drawing.h"
+#include "simd.h"
+
+// The light at the corners of a triangle, and its edges, which are its barycentric coordinates.
+typedef struct {
+    float e[3][3], lights[3][CORNER_LIGHTS];
+} Corners;
+
+// The smallest number whose logarithm is computed.
+#define LEAST_COSINE 1e-20f
+
+// The light at eight points with unit normals: of the lights without shadows and of each light with shadows.
+static ALWAYS_INLINE void light_points(const Frame *f, const Camera *k, const Looks *l, V3 color, V3 *lights) {
+    const V3 view = unit((V3){k->eye[0] - l->place.x, k->eye[1] - l->place.y, k->eye[2] - l->place.z});
+    const F8 zero = splat(0), one = splat(1), least = splat(LEAST_COSINE);
+    const int shines = any(l->metallic > zero);
+    lights[0] = (V3){l->er, l->eg, l->eb};
+    for (int i = 1; i <= MOST_SHADOWS; i++) lights[i] = grey(0);
+    EACH(j, f->classic->light_count) {
+        const ClassicLight *m = f->classic_lights + j;
+        V3 way = everywhere(m->towards);
+        F8 share = one, shine = zero;
+        if (!m->directional) {
+            way = (V3){m->place[0] - l->place.x, m->place[1] - l->place.y, m->place[2] - l->place.z};
+            const F8 far = root(dot(way, way));
+            const float *a = m->attenuation;
+            way = scaled(way, 1 / greater(far, splat(1e-12f)));
+            const F8 fall = a[0] + far * (a[1] + far * a[2]);
+            share = pick(fall > splat(1e-9f), 1 / fall, zero);
+            if (m->cutoff > -1) {
+                const F8 cosine = dot(way, everywhere(m->towards));
+                const I8 out = cosine < splat(m->cutoff);
+                share = pick(out, zero, m->exponent > 0 ? share * power(greater(cosine, least), m->exponent) : share);
+            }
+        }
+        const F8 facing = greater(dot(l->normal, way), zero);
+        if (shines && any(facing > zero)) {
+            const F8 both = greater(dot(l->normal, unit(sum(way, view))), least);
+            shine = pick(facing > zero, l->metallic * powers(both, l->roughness), zero);
+        }
+        const V3 diffuse = sum(everywhere(m->ambient), scaled(everywhere(m->diffuse), facing));
+        const V3 light = sum(product(diffuse, color), scaled(everywhere(m->specular), shine));
+        lights[m->number] = sum(lights[m->number], scaled(light, share));
+    }
+    EACH(i, 1 + MOST_SHADOWS)
+    lights[i] = (V3){lesser(lights[i].x, one), lesser(lights[i].y, one), lesser(lights[i].z, one)};
+}
+
+// The light at the corners of a triangle, which are three of eight points.
+static inline Corners corners_lit(const Frame *f, const Camera *k, const Seen *s) {
+    Corners c;
+    memcpy(c.e, s->e, sizeof c.e);
+    const Surface *surface = f->materials + s->material;
+    // it is lit at each pixel
+    if (surface->flags & FINE) {
+        memset(c.lights, 0, sizeof c.lights);
+        return c;
+    }
+    const Part *part = f->parts + s->part;
+    const Vertex *base = f->vertices + f->clusters[part->cluster].vertex;
+    const int32_t *index = f->triangles[s->triangle];
+    const float *m = f->models[part->instance], *t = f->turns[part->instance], facing = s->back ? -1.0f : 1.0f;
+    Looks l;
+    F8 p[3], n[3];
+    EACH_LANE(j) {
+        const Vertex *v = base + index[j < 3 ? j : 0];
+        EACH(i, 3) p[i][j] = v->p[i], n[i][j] = v->n[i] * facing;
+    }
+    l.place = (V3){m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3], m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7],
+                   m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11]};
+    l.normal = unit((V3){t[0] * n[0] + t[1] * n[1] + t[2] * n[2], t[3] * n[0] + t[4] * n[1] + t[5] * n[2],
+                         t[6] * n[0] + t[7] * n[1] + t[8] * n[2]});
+    l.metallic = splat(surface->metallic), l.roughness = splat(surface->roughness);
+    l.er = splat(surface->emission[0]), l.eg = splat(surface->emission[1]), l.eb = splat(surface->emission[2]);
+    V3 lights[1 + MOST_SHADOWS];
+    light_points(f, k, &l, everywhere(surface->color), lights);
+    EACH(i, 1 + MOST_SHADOWS) EACH(j, 3) {
+        float *to = c.lights[j] + 3 * i;
+        to[0] = lights[i].x[j], to[1] = lights[i].y[j], to[2] = lights[i].z[j];
+    }
+    return c;
+}
+
+// Eight samples of different triangles. The light includes the colour of the material: the colour of the samples
+// becomes that of the texture alone.
+static inline void interpolate(Looks *l, const Corners *const *corners) {
+    l->red = l->r, l->green = l->g, l->blue = l->b;
+    l->r = l->g = l->b = splat(1);
+    EACH_LANE(j) {
+        const Corners *c = corners[j];
+        float b[3], all = 0;
+        EACH(i, 3) b[i] = c->e[i][0] * l->x[j] + c->e[i][1] * l->y[j] + c->e[i][2], all += b[i];
+        EACH(i, 3) b[i] /= all;
+        EACH(n, 1 + MOST_SHADOWS) {
+            float light[3];
+            EACH(i, 3) {
+                const int at = 3 * n + i;
+                light[i] = b[0] * c->lights[0][at] + b[1] * c->lights[1][at] + b[2] * c->lights[2][at];
+            }
+            l->lights[n].x[j] = light[0], l->lights[n].y[j] = light[1], l->lights[n].z[j] = light[2];
+        }
+    }
+}
+
+// The same of samples of one triangle.
+static inline void interpolate_one(const Frame *f, Looks *l, const Corners *c) {
+    F8 b[3];
+    l->red = l->r, l->green = l->g, l->blue = l->b;
+    l->r = l->g = l->b = splat(1);
+    EACH(i, 3) b[i] = c->e[i][0] * l->x + c->e[i][1] * l->y + c->e[i][2];
+    const F8 scale = 1 / (b[0] + b[1] + b[2]);
+    EACH(i, 3) b[i] *= scale;
+    EACH(n, 1 + f->classic->shadow_count) {
+        F8 light[3];
+        EACH(i, 3) {
+            const int at = 3 * n + i;
+            light[i] = b[0] * c->lights[0][at] + b[1] * c->lights[1][at] + b[2] * c->lights[2][at];
+        }
+        l->lights[n] = (V3){light[0], light[1], light[2]};
+    }
+}
+
+// The share of a light that reaches eight points.
+static inline F8 classic_share(const ClassicLight *l, V3 place, V3 n) {
+    const ShadowMap m = {l->shadow, l->frame, 0, l->width, l->height};
+    F8 share = splat(-1);
+    if (l->directional) {
+        look_up(&m, place, n, &share);
+    } else {
+        const float *s = l->frame;
+        const F8 texel = greater(along(s + 8, place, 0), splat(1e-3f)) * s[12];
+        const V3 p = sum(place, scaled(n, texel * 1.3f));
+        const F8 depth = along(s + 8, p, 0), ahead = greater(depth, splat(1e-3f)), scale = 1 / ahead;
+        share = pick(depth > splat(1e-3f), share, splat(1));
+        read_map(&m, along(s, p, 0) * scale - 0.5f, along(s + 4, p, 0) * scale - 0.5f, texel * 1.5f - ahead, &share);
+    }
+    return pick(share < splat(0), splat(1), share);
+}
+
+static inline V3 hazy(const Classic *c, V3 light, F8 share) {
+    return mixed(light, everywhere(c->haze), within(share, 0, 1));
+}
+
+// The light of eight samples of surfaces that are lit at each pixel.
+static __attribute__((noinline)) void light_pixels(const Frame *f, const Camera *k, Looks *l) {
+    V3 lights[1 + MOST_SHADOWS];
+    light_points(f, k, l, (V3){l->red, l->green, l->blue}, lights);
+    EACH(i, 1 + MOST_SHADOWS) l->lights[i] = chosen(l->fine, lights[i], l->lights[i]);
+}
+
+// The light of surfaces in eight samples.
+static inline V3 classic_light(const Frame *f, const Camera *k, Looks *l) {
+    const Classic *c = f->classic;
+    if (any(l->fine)) light_pixels(f, k, l);
+    V3 total = l->lights[0];
+    EACH(j, c->light_count) {
+        const ClassicLight *light = f->classic_lights + j;
+        const V3 own = l->lights[light->number];
+        // most triangles face away from some light
+        if (!light->number || !any((own.x > splat(0)) | (own.y > splat(0)) | (own.z > splat(0)))) continue;
+        total = sum(total, scaled(l->lights[light->number], classic_share(light, l->place, l->normal)));
+    }
+    total = product(total, (V3){l->r, l->g, l->b});
+    if (c->hazy && any(l->hazed)) {
+        const V3 way = {l->place.x - k->eye[0], l->place.y - k->eye[1], l->place.z - k->eye[2]};
+        const F8 up = dot(way, everywhere(c->plane)), far = root(greater(dot(way, way) - up * up, splat(0)));
+        total = chosen(l->hazed, hazy(c, total, 1 - (c->far - far) / (c->far * c->ring)), total);
+    }
+    if (c->foggy) {
+        const F8 t = within((l->depth - c->fog_start) * (1 / (c->fog_end - c->fog_start)), 0, 1);
+        total = mixed(total, everywhere(c->fog), t);
+    }
+    return total;
+}
+
+// The background in eight samples: a cube of textures, and the haze above the horizon.
+static inline V3 classic_sky(const Frame *f, const Camera *k, Looks *l, V3 ray) {
+    const Classic *c = f->classic;
+    V3 light = everywhere(c->background);
+    if (c->sky >= 0) {
+        // the axes of cube maps of OpenGL, with Y up
+        const V3 d = {ray.x, ray.z, -ray.y};
+        const F8 ax = absolute(d.x), ay = absolute(d.y), az = absolute(d.z), zero = splat(0);
+        const I8 on_x = (ax >= ay) & (ax >= az), on_y = ~on_x & (ay >= az);
+        const F8 most = pick(on_x, ax, pick(on_y, ay, az)), scale = 0.5f / greater(most, splat(1e-30f));
+        const I8 less = pick_int(on_x, d.x < zero, pick_int(on_y, d.y < zero, d.z < zero));
+        l->texture = c->sky + pick_int(on_x, splat_int(0), pick_int(on_y, splat_int(2), splat_int(4))) - less;
+        l->u = pick(on_x, pick(less, d.z, -d.z), pick(on_y, d.x, pick(less, -d.x, d.x))) * scale + 0.5f;
+        l->v = pick(on_y, pick(less, -d.z, d.z), -d.y) * scale + 0.5f;
+        const Textures t = textures_of(f, l->texture);
+        const F8 half_u = 0.5f / to_float(t.width), half_v = 0.5f / to_float(t.height);
+        l->u = greater(lesser(l->u, 1 - half_u), half_u), l->v = greater(lesser(l->v, 1 - half_v), half_v);
+        l->ux = splat(0.5f / k->fx), l->vy = splat(0.5f / k->fy), l->uy = l->vx = splat(0);
+        l->r = l->g = l->b = splat(1);
+        add_textures(f, l);
+        light = (V3){l->r, l->g, l->b};
+    }
+    if (c->hazy) {
+        const F8 up = dot(ray, everywhere(c->plane));
+        const F8 flat = root(greater(dot(ray, ray) - up * up, splat(1e-12f)));
+        const F8 height = dot(everywhere(k->eye), everywhere(c->plane)) - c->plane[3] + up / flat * c->far;
+        // below the plane's border nothing is drawn
+        light = chosen(height >= splat(0), hazy(c, light, 1 - height / (c->far * c->ring)), light);
+    }
+    if (c->foggy) light = everywhere(c->fog);
+    return light;
+}

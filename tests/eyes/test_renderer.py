@@ -1,0 +1,451 @@
+"""Pictures of models of MuJoCo: geometry, colours by the equations of OpenGL, and errors."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import morse
+from morse.eyes.geoms import GeomArray
+from morse.eyes.renderer import _three_geoms
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: a camera 2 m above the origin, which looks down
+_ABOVE = '<camera name="above" pos="0 0 2" fovy="45"/>'
+_DARK = '<headlight ambient="0 0 0" diffuse="0 0 0" specular="0 0 0"/>'
+
+
+def _world(body: str, visual: str = "", asset: str = "") -> str:
+    return (
+        f'<mujoco><statistic extent="2" center="0 0 0"/><visual>{visual}</visual><asset>{asset}</asset>'
+        f"<worldbody>{_ABOVE}{body}</worldbody></mujoco>"
+    )
+
+
+def _picture(
+    xml: str,
+    *,
+    mode: str = "color",
+    size: int = 65,
+    camera: int | str | mujoco.MjvCamera = 0,
+    prepare: Callable[[Any], None] = lambda renderer: None,
+    option: mujoco.MjvOption | None = None,
+    look: str = "classic",
+) -> Any:
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, size, size, look=look) as renderer:
+        if mode == "depth":
+            renderer.enable_depth_rendering()
+        if mode == "ids":
+            renderer.enable_segmentation_rendering()
+        renderer.update_scene(data, camera, option)
+        prepare(renderer)
+        picture = renderer.render()
+        return picture.astype(int) if mode == "color" else picture
+
+
+# -- geometry ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("geom", "height"),
+    [
+        ('type="sphere" size=".3"', 0.3),
+        ('type="capsule" size=".1 .3"', 0.4),
+        ('type="ellipsoid" size=".2 .3 .25"', 0.25),
+        ('type="cylinder" size=".2 .15"', 0.15),
+        ('type="box" size=".2 .3 .35"', 0.35),
+        ('type="plane" size="0 0 1"', 0.0),
+        ('type="plane" size="1 1 1"', 0.0),
+        ('type="mesh" mesh="m"', 0.5),
+        ('type="hfield" hfield="h"', 0.45),
+    ],
+)
+def test_depth_of_the_highest_point_is_its_distance(geom: str, height: float) -> None:
+    asset = (
+        '<mesh name="m" vertex="-.5 -.5 -.5 .5 -.5 -.5 .5 .5 -.5 -.5 .5 -.5 '
+        '-.5 -.5 .5 .5 -.5 .5 .5 .5 .5 -.5 .5 .5"/>'
+        '<hfield name="h" nrow="3" ncol="3" size="1 1 .45 .1" elevation="0 0 0 0 1 0 0 0 0"/>'
+    )
+    xml = _world(f'<geom {geom} pos="0 0 0"/>', asset=asset)
+    assert _picture(xml, mode="depth")[32, 32] == pytest.approx(2.0 - height, abs=1e-3)
+    ids = _picture(xml, mode="ids")
+    assert ids[32, 32].tolist() == [0, mujoco.mjtObj.mjOBJ_GEOM]
+
+
+def test_background_is_at_the_far_plane_and_has_no_object() -> None:
+    xml = _world('<geom type="sphere" size=".1"/>')
+    model = mujoco.MjModel.from_xml_string(xml)
+    assert _picture(xml, mode="depth")[0, 0] == pytest.approx(model.vis.map.zfar * 2.0)
+    assert _picture(xml, mode="ids")[0, 0].tolist() == [-1, -1]
+
+
+def test_edges_are_where_the_pinhole_puts_them() -> None:
+    ids = _picture(_world('<geom type="box" size=".2 .1 .1" pos="0 0 -.1"/>'), mode="ids", size=200)
+    focal = 100 / np.tan(np.radians(22.5))
+    columns, rows = np.flatnonzero((ids[..., 0] == 0).any(axis=0)), np.flatnonzero((ids[..., 0] == 0).any(axis=1))
+    assert len(columns) == pytest.approx(2 * focal * 0.2 / 2.0, abs=1.01)
+    assert len(rows) == pytest.approx(2 * focal * 0.1 / 2.0, abs=1.01)
+
+
+def test_orthographic_cameras_show_sizes_independent_of_the_distance() -> None:
+    camera = '<camera name="o" pos="0 0 2" projection="orthographic" fovy="2"/>'
+    for z in (0.0, 1.0):
+        xml = _world(camera + f'<geom type="box" size=".25 .25 .05" pos="0 0 {z}"/>')
+        assert (_picture(xml, mode="ids", camera="o", size=200)[100, :, 0] == 0).sum() == pytest.approx(50, abs=1)
+        assert _picture(xml, mode="depth", camera="o")[32, 32] == pytest.approx(1.95 - z, abs=2e-3)
+
+
+def test_the_last_of_surfaces_at_the_same_place_is_seen() -> None:
+    box = '<geom type="box" size=".2 .2 .2" rgba="1 0 0 1"/><geom type="box" size=".2 .2 .2" rgba="0 1 0 1"/>'
+    assert _picture(_world(box), mode="ids")[32, 32, 0] == 1
+
+
+def test_groups_that_are_not_shown_are_not_drawn() -> None:
+    option = mujoco.MjvOption()
+    option.geomgroup[2] = 0
+    xml = _world('<geom type="box" size=".2 .2 .2" group="2"/>')
+    assert _picture(xml, mode="ids")[32, 32, 0] == 0
+    assert _picture(xml, mode="ids", option=option)[32, 32, 0] == -1
+
+
+def test_geoms_that_are_appended_to_the_scene_are_drawn() -> None:
+    def add(renderer: morse.Renderer) -> None:
+        scene = renderer.scene
+        mujoco.mjv_initGeom(
+            scene.geoms[scene.ngeom],
+            mujoco.mjtGeom.mjGEOM_SPHERE,
+            np.array([0.5, 0, 0]),
+            np.zeros(3),
+            np.eye(3).ravel(),
+            np.array([1, 0, 0, 1], np.float32),
+        )
+        scene.ngeom += 1
+
+    xml = _world("", visual='<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>')
+    assert _picture(xml, prepare=add)[32, 32].tolist() == [255, 0, 0]
+
+
+def test_skins_and_flexes_follow_their_bodies() -> None:
+    flex = (
+        '<flexcomp name="cloth" type="grid" count="5 5 1" spacing=".1 .1 .1" radius=".01" dim="2" mass="1" '
+        'pos="0 0 .5"/>'
+    )
+    model = mujoco.MjModel.from_xml_string(_world(flex))
+    data = mujoco.MjData(model)
+    depths = []
+    with morse.Renderer(model, 65, 65) as renderer:
+        renderer.enable_depth_rendering()
+        for shift in (0.0, -0.25):
+            data.qpos[2::3] = shift
+            mujoco.mj_forward(model, data)
+            renderer.update_scene(data, 0)
+            depths.append(float(renderer.render()[32, 32]))
+    # the surface is a radius above the vertices
+    assert depths == pytest.approx([1.49, 1.74], abs=1e-3)
+
+
+# -- colours: I = emission + attenuation * spot * (ambient + max(n l, 0) diffuse + (n h)^s specular), of OpenGL 1.5 ----
+
+_PLANE = '<geom type="plane" size="1 1 1" material="m"/>'
+
+
+@pytest.mark.parametrize(
+    ("head", "material", "code"),
+    [
+        ('ambient=".4 .4 .4" diffuse="0 0 0" specular="0 0 0"', 'rgba=".5 1 .25 1"', (51, 102, 26)),
+        ('ambient="0 0 0" diffuse=".6 .6 .6" specular="0 0 0"', 'rgba=".5 .5 .5 1"', (77, 77, 77)),
+        ('ambient="0 0 0" diffuse="0 0 0" specular="1 1 1"', 'rgba="0 0 0 1" specular=".4"', (102, 102, 102)),
+        ('ambient="0 0 0" diffuse="0 0 0" specular="0 0 0"', 'rgba=".5 1 0 1" emission=".3"', (38, 77, 0)),
+        ('ambient="1 1 1" diffuse="1 1 1" specular="0 0 0"', 'rgba=".8 .2 .5 1"', (255, 102, 255)),
+    ],
+)
+def test_light_follows_the_equations_of_opengl(head: str, material: str, code: tuple[int, int, int]) -> None:
+    xml = _world(_PLANE, visual=f"<headlight {head}/>", asset=f'<material name="m" {material}/>')
+    assert _picture(xml)[32, 32] == pytest.approx(code, abs=1)
+
+
+def test_point_lights_become_weaker_with_the_distance_and_have_a_cone() -> None:
+    light = '<light pos="0 0 1" dir="0 0 -1" cutoff="30" exponent="0" attenuation="1 1 2" diffuse="1 1 1" {}/>'
+    floor = '<geom type="plane" size="2 2 .02" rgba="1 1 1 1"/>'
+    picture = _picture(_world(light.format('castshadow="false" specular="0 0 0"') + floor, visual=_DARK), size=201)
+    assert picture[100, 100, 0] == pytest.approx(255 / 4, abs=1)
+    radius = (picture[100, :, 0] > 0).sum() / 2
+    assert radius == pytest.approx(100.5 / np.tan(np.radians(22.5)) * np.tan(np.radians(30)) / 2, abs=2.5)
+
+
+@pytest.mark.parametrize("directional", ["true", "false"])
+def test_shadows_take_the_whole_light(directional: str) -> None:
+    body = (
+        f'<light pos="0 0 1.5" dir="0 0 -1" directional="{directional}" diffuse=".6 .6 .6" ambient=".1 .1 .1" '
+        'specular="0 0 0" exponent="0"/><geom type="plane" size="2 2 .02" rgba="1 1 1 1"/>'
+        '<geom type="box" size=".2 .2 .01" pos="0 0 .6"/><camera name="side" pos="0 -.9 .35" xyaxes="1 0 0 0 .4 1"/>'
+    )
+    head = '<headlight ambient=".2 .2 .2" diffuse="0 0 0" specular="0 0 0"/>'
+    xml = _world(body, visual=head)
+    below = _picture(xml, camera="side", size=121)
+    lit = _picture(xml, camera="side", size=121, prepare=lambda r: r.scene.flags.__setitem__(0, 0))
+    # a place on the ground right below the box
+    shaded = np.abs(below - lit).max(axis=2) > 50
+    assert shaded.sum() > 100
+    assert np.median(below[shaded][:, 0]) == pytest.approx(51, abs=2)
+
+
+def test_translucent_surfaces_cover_twice_what_is_behind() -> None:
+    body = (
+        '<geom type="plane" size="2 2 1" rgba="0 0 1 1"/><geom type="box" size=".3 .3 .1" pos="0 0 .5" '
+        'rgba="1 0 0 .3"/>'
+    )
+    xml = _world(body, visual='<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>')
+    # MuJoCo draws them in two passes: 1 - 0.7 ** 2
+    assert _picture(xml)[32, 32] == pytest.approx((130, 0, 125), abs=1)
+    assert _picture(xml, mode="ids")[32, 32, 0] == 1
+
+
+def test_reflections_are_added() -> None:
+    body = (
+        '<geom type="plane" size="2 2 1" material="mirror"/><geom type="box" size=".3 .3 .3" pos="0 .5 .5" '
+        'rgba=".2 .8 .4 1"/><camera name="c" pos="0 -2 1" xyaxes="1 0 0 0 1 2"/>'
+    )
+    xml = _world(
+        body,
+        visual='<headlight ambient=".5 .5 .5" diffuse="0 0 0" specular="0 0 0"/>',
+        asset='<material name="mirror" rgba=".5 .5 .5 1" specular="0" reflectance=".5"/>',
+    )
+    picture = _picture(xml, camera="c", size=201)
+    assert picture[131, 100] == pytest.approx((77, 115, 89), abs=1)
+    assert picture[191, 100] == pytest.approx((64, 64, 64), abs=1)
+
+
+def _coloured(kind: str, size: int = 64) -> Callable[[mujoco.MjModel], None]:
+    """Set the texture of a model to the columns (red) and rows (green) of its picture, blue is the face of a cube."""
+
+    def paint(model: mujoco.MjModel) -> None:
+        count = 1 if kind == "2d" else 6
+        pixels = np.zeros((count, size, size, 3), np.uint8)
+        pixels[..., 0] = np.arange(size) * 256 // size
+        pixels[..., 1] = (np.arange(size) * 256 // size)[:, None]
+        pixels[..., 2] = 20 + 40 * np.arange(count)[:, None, None]
+        model.tex_data[: pixels.size] = pixels.ravel()
+
+    return paint
+
+
+def _textured(geom: str, kind: str, camera: str, material: str = "", size: int = 64) -> Any:
+    places = {"front": ("0 -2 0", "1 0 0 0 0 1"), "right": ("2 0 0", "0 1 0 0 0 1")}
+    cameras = "".join(f'<camera name="{name}" pos="{pos}" xyaxes="{axes}"/>' for name, (pos, axes) in places.items())
+    height = size if kind == "2d" else 6 * size
+    xml = _world(
+        cameras + (f'<geom {geom} material="m"/>' if geom else ""),
+        visual='<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>',
+        asset=f'<texture name="t" type="{kind}" builtin="flat" rgb1="1 1 1" width="{size}" height="{height}"/>'
+        f'<material name="m" texture="t" {material}/>',
+    )
+    model = mujoco.MjModel.from_xml_string(xml)
+    _coloured(kind, size)(model)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 101, 101) as renderer:
+        renderer.update_scene(data, camera)
+        return renderer.render().astype(int)
+
+
+@pytest.mark.parametrize(
+    ("geom", "kind", "camera", "material", "place", "expected"),
+    [
+        # the middle of the upper left quarter of a face: a quarter of the columns and of the rows
+        ('type="plane" size=".4 .4 1"', "2d", "above", "", (-0.2, 0.2), (64, 64)),
+        ('type="plane" size=".4 .4 1"', "2d", "above", 'texrepeat="3 1"', (-0.2, 0.2), (192, 64)),
+        ('type="plane" size=".4 .4 1"', "2d", "above", 'texuniform="true"', (-0.2, 0.2), (26, 26)),
+        # infinite planes begin in the middle of the texture, which is 2 m wide
+        ('type="plane" size="0 0 1"', "2d", "above", "", (-0.2, 0.2), (102, 102)),
+        ('type="box" size=".4 .4 .0001"', "2d", "above", "", (-0.2, 0.2), (64, 64)),
+        ('type="cylinder" size=".4 .0001"', "2d", "above", "", (-0.2, 0.2), (64, 192)),
+        ('type="sphere" size=".4"', "2d", "front", "", (0.0, 0.0), (192, 128)),
+        # faces of a cube as OpenGL has them
+        ('type="box" size=".4 .4 .0001"', "cube", "above", "", (-0.2, 0.2), (64, 64, 180)),
+        ('type="box" size=".4 .0001 .4"', "cube", "front", "", (-0.2, 0.2), (64, 64, 140)),
+        ('type="box" size=".0001 .4 .4"', "cube", "right", "", (-0.2, 0.2), (64, 192, 20)),
+        ("", "skybox", "above", "", (0.0, 0.0), (128, 128, 140)),
+        ("", "skybox", "front", "", (0.0, 0.0), (128, 128, 220)),
+    ],
+)
+def test_texture_coordinates(
+    geom: str, kind: str, camera: str, material: str, place: tuple[float, float], expected: tuple[int, ...]
+) -> None:
+    picture = _textured(geom, kind, camera, material)
+    focal = 50.5 / np.tan(np.radians(22.5))
+    column, row = 50 + focal * place[0] / 2, 50 - focal * place[1] / 2
+    assert picture[round(row), round(column)][: len(expected)] == pytest.approx(expected, abs=8)
+
+
+def test_textures_of_any_size_are_where_they_belong() -> None:
+    same, other = (_textured('type="plane" size=".4 .4 1"', "2d", "above", size=size) for size in (128, 100))
+    inside = np.s_[30:70, 30:70, :2]
+    assert np.abs(same[inside] - other[inside]).max() <= 6
+
+
+# -- behaviour -----------------------------------------------------------------------------
+
+_SCENE = _world(
+    '<light pos="0 0 2"/><geom type="plane" size="0 0 .1" material="m"/><body pos="0 0 .5"><freejoint/>'
+    '<geom type="capsule" size=".1 .2" rgba=".8 .3 .2 1"/><geom type="sphere" size=".1" pos=".3 0 0" '
+    'rgba=".2 .3 .8 .5"/></body>',
+    asset='<texture name="t" type="2d" builtin="checker" rgb1="0 0 0" rgb2="1 1 1" width="32" height="32"/>'
+    '<texture type="skybox" builtin="gradient" rgb1="1 1 1" rgb2="0 0 1" width="32" height="32"/>'
+    '<material name="m" texture="t" texrepeat="4 4" reflectance=".2"/>',
+)
+_DIGEST = f"""
+import hashlib, mujoco, morse
+model = mujoco.MjModel.from_xml_string('''{_SCENE}''')
+data = mujoco.MjData(model)
+mujoco.mj_forward(model, data)
+renderer = morse.Renderer(model, 64, 96)
+renderer.update_scene(data)
+print(hashlib.sha256(renderer.render().tobytes()).hexdigest())
+"""
+
+
+def test_other_processes_and_numbers_of_threads_give_the_same_bits() -> None:
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", _DIGEST],
+            env={**os.environ, "MORSE_THREADS": threads},
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
+        for threads in ("1", "3")
+    }
+    assert len(digests) == 1
+
+
+def test_many_renderers_in_threads_share_no_state() -> None:
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    shifts = [0.02 * n for n in range(20)]
+
+    def digest(shift: float) -> str:
+        data = mujoco.MjData(model)
+        data.qpos[0] = shift
+        mujoco.mj_forward(model, data)
+        with morse.Renderer(model, 48, 64) as renderer:
+            renderer.update_scene(data)
+            return hashlib.sha256(renderer.render().tobytes()).hexdigest()
+
+    alone = [digest(shift) for shift in shifts]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(digest, shifts)) == alone
+    assert len(set(alone)) == len(shifts)
+
+
+@pytest.mark.parametrize("camera", [0, -1])
+def test_pictures_do_not_depend_on_those_before(camera: int) -> None:
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    data = mujoco.MjData(model)
+    with morse.Renderer(model, 48, 64) as used:
+        for shift in (0.3, 0.1, 0.0):
+            data.qpos[0] = shift
+            mujoco.mj_forward(model, data)
+            for other in (-1, 0, camera):
+                used.update_scene(data, other)
+                last = used.render()
+    with morse.Renderer(model, 48, 64) as new:
+        new.update_scene(data, camera)
+        assert np.array_equal(new.render(), last)
+
+
+def test_colours_that_are_changed_in_the_model_are_seen() -> None:
+    model = mujoco.MjModel.from_xml_string(_world('<geom type="box" size=".3 .3 .3" rgba="1 0 0 1"/>'))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 33, 33) as renderer:
+        renderer.update_scene(data, 0)
+        assert renderer.render()[16, 16].argmax() == 0
+        model.geom_rgba[0] = 0, 1, 0, 1
+        renderer.update_scene(data, 0)
+        assert renderer.render()[16, 16].argmax() == 1
+
+
+def test_the_look_of_scenes_is_lit_and_shadowed() -> None:
+    picture = _picture(_SCENE, look="morse", camera=-1, size=64)
+    assert picture.std() > 10
+
+
+def test_an_array_of_ones_own_is_filled() -> None:
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 24, 32) as renderer:
+        renderer.update_scene(data)
+        out = np.zeros((24, 32, 3))
+        assert renderer.render(out=out) is out
+        assert np.array_equal(out, renderer.render())
+        with pytest.raises(ValueError, match=r"out\.shape"):
+            renderer.render(out=np.zeros((24, 32), np.uint8))
+
+
+def test_wrong_use_is_told() -> None:
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with pytest.raises(ValueError, match="framebuffer width 640"):
+        morse.Renderer(model, 100, 641)
+    with pytest.raises(ValueError, match="offheight"):
+        morse.Renderer(model, 481, 100)
+    with pytest.raises(ValueError, match="height 0"):
+        morse.Renderer(model, 0, 10)
+    with pytest.raises(ValueError, match="classic, morse"):
+        morse.Renderer(model, 10, 10, look="cartoon")
+    renderer = morse.Renderer(model, 10, 10)
+    with pytest.raises(ValueError, match="Call update_scene first"):
+        renderer.render()
+    with pytest.raises(ValueError, match='"nowhere" does not exist'):
+        renderer.update_scene(data, "nowhere")
+    with pytest.raises(ValueError, match=r"out of range \[-1, 1\)"):
+        renderer.update_scene(data, 1)
+    renderer.close()
+    renderer.close()
+    with pytest.raises(RuntimeError, match="after close"):
+        renderer.render()
+    with pytest.raises(RuntimeError, match="after close"):
+        renderer.update_scene(data)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30])
+def test_states_that_are_not_finite_hide_what_they_move(value: float) -> None:
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    data.geom_xpos[1:] = value
+    with morse.Renderer(model, 32, 32) as renderer:
+        renderer.update_scene(data, 0)
+        picture = renderer.render()
+        renderer.enable_segmentation_rendering()
+        assert set(np.unique(renderer.render()[..., 0]).tolist()) == {0}
+    assert picture.shape == (32, 32, 3)
+
+
+def test_geoms_are_read_where_they_are_in_memory() -> None:
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    scene = mujoco.MjvScene(model, 50)
+    camera = mujoco.MjvCamera()
+    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, 7, scene)
+    geoms = GeomArray(scene, _three_geoms).now()
+    assert len(geoms) == scene.ngeom == 3
+    for row, geom in zip(geoms, scene.geoms[: scene.ngeom], strict=True):
+        for name in row.dtype.names:
+            assert np.array_equal(np.ravel(row[name]), np.ravel(getattr(geom, name))), name
