@@ -9,7 +9,8 @@ import state_of_components as components
 from morse.core.declarations import add_state, properties, state_variables
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.state import StateError
-from morse.core.state.attributes import left_out, replace, state_of
+from morse.core.state.attributes import is_state, replace, state_of
+from morse.simulation.states.state import State
 
 #: attributes that change and follow from the rest: images that are under way, caches, what was drawn last
 _FOLLOWS = frozenset(
@@ -28,8 +29,9 @@ def parts(simulation: Any) -> Iterator[Any]:
 
 def constants(part: Any) -> dict[str, str]:
     """The attributes of a part that are not part of its state, as text."""
-    names = left_out(type(part)) - _FOLLOWS - {"_is_read"}  # who has looked changes nothing
-    values = {name: value for name, value in vars(part).items() if name in names}
+    without = _FOLLOWS | {"_is_read"}  # who has looked changes nothing
+    values = {name: value for name, value in vars(part).items() if not is_state(type(part), name)}
+    values = {name: value for name, value in values.items() if name not in without}
     return {
         name: repr(value) for name, value in values.items() if isinstance(value, (bool, int, float, str, tuple, list))
     }
@@ -81,6 +83,34 @@ class Users(Ours):
         super().__init__()
         self._memory = {"seen": 1}
         self._plot = object()
+
+
+def test_the_code_of_classes_is_read_for_classes_of_users_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(cls: type) -> frozenset[str]:
+        raise AssertionError(f"the code of {cls} is read")
+
+    monkeypatch.setattr("morse.core.state.attributes.assigned_by", refused)
+    for name in ("Waypoint", "IMU", "VideoCamera", "PTU"):
+        simulation, _carrier = components.load(name)
+        with simulation:
+            components.go(simulation, name, 7)
+            state = State.from_bytes(simulation.save().to_bytes())
+            simulation.step(5)
+            wanted = simulation.state_hash()
+            simulation.restore(state)
+            simulation.step(5)
+            assert simulation.state_hash() == wanted
+    with pytest.raises(AssertionError, match="the code of"):
+        state_of(type("Later", (Ours,), {"__module__": "lab"})())
+
+
+def test_what_somebody_else_has_put_on_an_object_of_morse_is_no_state() -> None:
+    part = Ours()
+    part.note = 3  # type: ignore[attr-defined]
+    vars(part)["_hidden"] = 4
+    assert state_of(part) == {"_count": 0, "_last": None}
+    with pytest.raises(StateError, match="not part of a saved state"):
+        replace(part, (), {"note": 5})
 
 
 def test_a_class_of_morse_saves_what_it_declares_and_a_class_of_a_user_everything() -> None:

@@ -1,4 +1,10 @@
-"""Assign the values and the order of a saved state to the attributes of an object."""
+"""The attributes that are the state of an object, and their values and order when a saved state is restored.
+
+The state of a class of MORSE is what it declares (`add_state`, `add_property`). That of a class of a user is all of its
+attributes but those of ``not_state``; those that its base classes of MORSE assign belong to it only if declared.
+Which ones these are, `assigned_by` reads from the code of the base classes: no other file does, and nothing is read for
+the objects of MORSE's own classes.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +22,7 @@ from types import (
     MethodWrapperType,
     WrapperDescriptorType,
 )
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, get_args
 
 import numpy as np
 
@@ -133,6 +139,14 @@ def own_attributes(cls: type) -> set[str] | None:
     return set(properties(cls)).union(*(assigned_by(base) for base in cls.__mro__ if is_of_morse(base)))
 
 
+def new_types(cls: type, name: str) -> frozenset[type]:
+    """The classes of MORSE whose objects may take the place of None in an attribute: those that are declared."""
+    variable = state_variables(cls).get(name)
+    if variable is None or variable.type is object:
+        return created_by(cls)
+    return frozenset(kind for kind in get_args(variable.type) or (variable.type,) if is_of_morse(kind))
+
+
 @cache
 def created_by(cls: type) -> frozenset[type]:
     """The classes of MORSE that the functions of MORSE's classes among the bases of a class refer to.
@@ -166,33 +180,45 @@ def _functions(cls: type) -> list[FunctionType]:
 
 
 @cache
-def left_out(cls: type) -> frozenset[str]:
-    """The names of the attributes of a class that are not part of its state.
+def declared(cls: type) -> frozenset[str] | None:
+    """The names of the attributes that are the state of a class of MORSE; None for a class of a user."""
+    if not is_of_morse(cls) or not any("_state_variables" in vars(base) for base in cls.__mro__):
+        return None
+    return frozenset(state_variables(cls).keys() | properties(cls).keys()) - _not_state(cls)
 
-    Classes of MORSE declare their state (`add_state`, `add_property`): everything else that they assign follows from
-    the scene. Classes of users name in ``not_state`` what does not belong to their state.
-    """
-    names = {name for base in cls.__mro__ for name in vars(base).get("not_state", ())}
+
+@cache
+def left_out(cls: type) -> frozenset[str]:
+    """The names of the attributes of a class of a user that are not part of its state."""
     ours = [base for base in cls.__mro__ if is_of_morse(base)]
     if not any("_state_variables" in vars(base) for base in ours):
-        return frozenset(names)
+        return _not_state(cls)
     names_of_ours = set().union(*(assigned_by(base) for base in ours))
     users = set().union(*(assigned_by(base) for base in cls.__mro__ if base not in ours))
-    return frozenset(names | (names_of_ours - users - state_variables(cls).keys() - properties(cls).keys()))
+    return _not_state(cls) | (names_of_ours - users - state_variables(cls).keys() - properties(cls).keys())
+
+
+def _not_state(cls: type) -> frozenset[str]:
+    return frozenset(name for base in cls.__mro__ for name in vars(base).get("not_state", ()))
+
+
+def is_state(cls: type, name: str) -> bool:
+    """Whether an attribute is part of the state of the objects of a class."""
+    names = declared(cls)
+    return name not in left_out(cls) if names is None else name in names
 
 
 def state_of(owner: object) -> StateData:
     """The attributes of an object that are part of its state."""
     cls: type = type(owner)
-    without = left_out(cls)
-    return {name: value for name, value in vars(owner).items() if name not in without}
+    return {name: value for name, value in vars(owner).items() if is_state(cls, name)}
 
 
 def check_name(cls: type, name: object) -> None:
     """Raise `StateError` if a state must not set an attribute of that name of objects of a class."""
     if not isinstance(name, str) or (name.startswith("__") and name.endswith("__")):
         raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
-    if name in left_out(cls):
+    if not is_state(cls, name):
         raise StateError(f"the attribute '{name:.40}' is not part of a saved state")
     if _is_computed(cls, name):
         raise StateError(f"'{name:.40}' is computed by the class {cls.__name__}, and is not part of a saved state")

@@ -17,13 +17,13 @@ from morse.core.state import values as arrays
 from morse.core.state.attributes import (
     MISSING,
     check_name,
-    created_by,
     fits,
     fits_roughly,
     is_data,
     is_of_morse,
     is_routine,
     misfit,
+    new_types,
     own_attributes,
     reorder,
     word_of,
@@ -370,7 +370,7 @@ class Reader:
                 continue
             self._strict = not self._trusted and (of_morse is None or name in of_morse)
             self._deep = of_morse is None
-            self._types = created_by(cls)
+            self._types = new_types(cls, name)
             try:
                 value = self.value(item, before)
                 self._check(value, before)
