@@ -127,14 +127,14 @@ def differential_drive(robot: Body, left: Sequence[str], right: Sequence[str]) -
     wheels = joint_wheels(robot.node)
     if not left and not right:
         pairs = driven_wheels(wheels)
-        return _drive(robot.node, *pairs) if all(pairs) else None
+        return _drive(robot.node, *pairs, wheels) if all(pairs) else None
     if not left or not right:
         raise ValueError(f"only wheels on one side are named, left={', '.join(left)!r}, right={', '.join(right)!r}")
     by_name = {wheel.joint: wheel for wheel in wheels}
     for name in (*left, *right):
         if name not in by_name:
             raise ValueError(f"there is no joint '{name}' that turns{nearest(name, by_name)}; {joint_list(robot)}")
-    return _drive(robot.node, [by_name[name] for name in left], [by_name[name] for name in right])
+    return _drive(robot.node, [by_name[name] for name in left], [by_name[name] for name in right], wheels)
 
 
 def joint_list(robot: Body) -> str:
@@ -145,7 +145,9 @@ def joint_list(robot: Body) -> str:
     return f"its joints that turn: {names[:600]}" if names else "it has no joints that turn"
 
 
-def _drive(robot: Node, left: list[JointWheel], right: list[JointWheel]) -> DifferentialDrive:
+def _drive(
+    robot: Node, left: list[JointWheel], right: list[JointWheel], others: Sequence[JointWheel]
+) -> DifferentialDrive:
     wheels = [*left, *right]
     separation = fmean(one.y for one in left) - fmean(one.y for one in right)
     mass, centre = mass_and_centre(robot)
@@ -158,7 +160,7 @@ def _drive(robot: Node, left: list[JointWheel], right: list[JointWheel]) -> Diff
         tuple(-1.0 if is_lateral and one.along < 0.0 else 1.0 for one in wheels),
         tuple(one.radius for one in wheels),
         2.0 * _lever(wheels, abs(separation) / 2.0, centre),
-        (*_hindrances(wheels), *_slow_starts(wheels, mass), *_brakes(robot, wheels)),
+        (*_hindrances(wheels), *_slow_starts(wheels, mass), *_brakes(robot, wheels, others)),
     )
 
 
@@ -202,8 +204,16 @@ def _slow_starts(wheels: Sequence[JointWheel], mass: float) -> Iterator[str]:
         )
 
 
-def _brakes(robot: Node, wheels: Sequence[JointWheel]) -> Iterator[str]:
-    """What reaches the ground beside the wheels, a text each."""
+def _brakes(robot: Node, wheels: Sequence[JointWheel], others: Sequence[JointWheel]) -> Iterator[str]:
+    """What reaches the ground beside the wheels, a text each; ``others`` are all joints that turn."""
+    limited = {one.joint for one in others if not one.is_endless}
+    rolling = set(rolling_wheels(others, [one.joint for one in wheels]))
+    steered = [one for one in others if one.joint in rolling and one.carrier in limited]
+    if steered:
+        yield (
+            f"the wheel of the joint '{steered[0].joint}' is steered by '{steered[0].carrier}', which holds it in a "
+            "turn: MotionVWAckermann drives such a robot"
+        )
     if all(one.radius for one in wheels):
         for name, depth in dragging_links(robot, wheels)[:1]:
             yield (

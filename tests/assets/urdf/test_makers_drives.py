@@ -222,3 +222,21 @@ def test_motors_that_start_a_robot_slowly_are_named(robot, caplog, effort, lag) 
         return
     assert f"0.88 m/s^2, by the efforts in the file: after a start to 0.3 m/s it is {lag} cm behind" in caplog.text
     assert distance == pytest.approx(1.2 - lag / 100.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("kind", "ends", "is_named"),
+    [("revolute", '<limit lower="-0.5" upper="0.5" effort="9" velocity="9"/>', True), ("continuous", "", False)],
+    ids=["steered", "casters"],
+)
+def test_steered_wheels_are_named(robot, caplog, kind, ends, is_named) -> None:
+    front = "".join(
+        _link(f"fork_{side}", 0.2)
+        + _joint(f"steer_{side}", kind, f"fork_{side}", f'xyz="0.3 {y} 0.15"', "0 0 1", ends)
+        + _link(f"front_{side}", 0.3, CYLINDER, _LYING)
+        + _joint(f"roll_{side}", "continuous", f"front_{side}", 'xyz="0 0 -0.05"', parent=f"fork_{side}")
+        for side, y in (("left", 0.15), ("right", -0.15))
+    )
+    with caplog.at_level(logging.WARNING):
+        robot(BASE + ROUND + front)
+    assert ("MotionVWAckermann drives such a robot" in caplog.text) == is_named
