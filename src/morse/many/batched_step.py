@@ -288,6 +288,12 @@ class Reading:
         self._lanes.set(row, lane)
         return True
 
+    def groups(self, row: int) -> Sequence[int] | None:
+        """The rigid groups whose poses are needed of a row; None for all, among which rays are cast."""
+        if self.has_joints:
+            return ()
+        return None if self._lanes is not None else (int(self._slots[row]),)
+
     def update(self, rows: NDArray[np.int64], courses: Courses | EngineRows, times: NDArray[np.float64]) -> None:
         """Write the data of some rows, measured at these times (s)."""
         if self.has_joints:

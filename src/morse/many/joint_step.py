@@ -73,8 +73,12 @@ class JointStep:
         clock = simulation.clock
         self._ticks[row], self._rates[row], self._origins[row] = clock.tick, clock.frequency, clock.origin
         self._missed[row] = self._last[row] = 0
-        self.members[row] = all(reading.add(row, simulation, engine) for reading in self._readings)
-        return bool(self.members[row])
+        if not all(reading.add(row, simulation, engine) for reading in self._readings):
+            return False
+        groups = [reading.groups(row) for reading in self._readings]
+        engine.read(row, None if None in groups else {group for some in groups for group in some or ()})
+        self.members[row] = True
+        return True
 
     def leave(self, row: int) -> None:
         """Bring the simulation of a row up to date; it measures at the end of the last step, as the member has."""

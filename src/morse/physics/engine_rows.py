@@ -13,12 +13,15 @@ import numpy as np
 from mujoco.batch import Batch, SimulationError
 
 from morse.kernel import threads
+from morse.physics.model.layout import Motion
 from morse.physics.model.limits import RUNAWAY_DISTANCE, RUNAWAY_SPEED
 from morse.physics.model.lowest import lowest_shape
 from morse.physics.poses import kinematics
 from morse.physics.state.engine_values import STATE
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from numpy.typing import NDArray
 
     from morse.physics.world import World
@@ -54,6 +57,10 @@ class EngineRows:
         self._speeds, self._contacts = batch.bind("qvel"), batch.bind("ncon")
         self._before = batch.state.copy()
         self._steps, self._moves = np.zeros(rows, np.int64), np.zeros((rows, groups), bool)
+        #: free bodies: the group, and the first of its positions in the engine; the same if no other poses are needed
+        self._free: list[tuple[tuple[int, int], ...]] = [()] * rows
+        self._roots: list[tuple[tuple[int, int], ...] | None] = [None] * rows
+        self._falls = np.zeros((rows, groups), bool)
         self._most, self._lowest = np.zeros(rows, np.int64), np.zeros(rows)
         #: whether models have changed since the engine has taken note of them
         self._has_news = True
@@ -98,6 +105,11 @@ class EngineRows:
         )
         self._steps[row] = world.steps
         self._moves[row] = np.arange(len(world.positions)) < moving
+        self._free[row] = tuple(
+            (group, slot.qpos) for group, slot in enumerate(world.slots[:moving]) if slot.frame.motion is Motion.FREE
+        )
+        self._falls[row] = False
+        self._falls[row, [group for group, _ in self._free[row]]] = True
         self._most[row], self._lowest[row] = world.most_contacts, lowest_shape(world)[0] - _BELOW
         return True
 
@@ -133,17 +145,47 @@ class EngineRows:
             batch.warning[:] = 0
         return well
 
+    def read(self, row: int, groups: Iterable[int] | None) -> None:
+        """Say which poses of a row are needed.
+
+        Args:
+            groups: the rigid groups; None for all.
+        """
+        free, moving = self._free[row], np.count_nonzero(self._moves[row])
+        needed = range(moving) if groups is None else [group for group in groups if group < moving]
+        known = dict(free)
+        self._roots[row] = free if all(group in known for group in needed) else None
+
     def place(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Compute the poses; return for each of the rows whether no body has fallen out of its world."""
-        for row, joints in zip(rows.tolist(), self.joints[rows], strict=True):
+        alike: dict[tuple[tuple[int, int], ...] | None, list[int]] = {}
+        for row in rows.tolist():
+            alike.setdefault(self._roots[row], []).append(row)
+        self._place_all(alike.pop(None, ()))
+        for roots, some in alike.items():
+            for group, place in roots or ():
+                self._place_free(np.array(some), group, place)
+        heights = np.where(self._falls[rows], self.positions[rows, :, 2], np.inf)
+        fallen: NDArray[np.bool_] = heights.min(axis=1, initial=np.inf) < self._lowest[rows]
+        return ~fallen
+
+    def _place_free(self, rows: NDArray[np.int64], group: int, place: int) -> None:
+        """Compute the poses of a free body from its positions in the engine, by the functions of `mj_kinematics`."""
+        joints = self.joints[rows, place : place + 7]
+        quaternions, rotations = joints[:, 3:].copy(), np.empty((len(rows), 9))
+        for quaternion, rotation in zip(quaternions, rotations, strict=True):
+            mujoco.mju_normalize4(quaternion)
+            mujoco.mju_quat2Mat(rotation, quaternion)
+        self.positions[rows, group], self.rotations[rows, group] = joints[:, :3], rotations
+
+    def _place_all(self, rows: Sequence[int]) -> None:
+        """Compute the poses of all groups."""
+        for row, joints in zip(rows, self.joints[list(rows)], strict=True):
             model, data, qpos, xpos, xmat, positions, rotations, bodies = self._poses[row]
             qpos[:] = joints
             mujoco.mj_kinematics(model, data)
             xpos.take(bodies, 0, positions, "clip")
             xmat.take(bodies, 0, rotations, "clip")
-        heights = np.where(self._moves[rows], self.positions[rows, :, 2], np.inf)
-        fallen: NDArray[np.bool_] = heights.min(axis=1, initial=np.inf) < self._lowest[rows]
-        return ~fallen
 
     def give_back(self, row: int, ticks: int) -> None:
         """Set the state from before the last call in the world.
