@@ -23,6 +23,7 @@ env = Environment("empty")
 MODELS = [
     {"kind": "Morsy", "name": "Morsy", "group": "robots"},
     {"kind": "VideoCamera", "name": "VideoCamera", "group": "sensors"},
+    *({"kind": kind, "name": kind, "group": "solids"} for kind in ("Cube", "Spot", "Camera")),
     {"kind": "MotionVW", "name": "MotionVW", "group": "actuators"},
     {"kind": "IMU", "name": "IMU", "group": "sensors"},
     {"kind": "props/crates#small_crate", "name": "small crate", "group": "crates"},

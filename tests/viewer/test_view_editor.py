@@ -164,6 +164,21 @@ def test_components_act_and_measure_at_once(desk: Desk, tmp_path: Path) -> None:
         assert there.location == pytest.approx(imu.location)
 
 
+def test_solids_lamps_and_cameras_are_added(desk: Desk, tmp_path: Path) -> None:
+    for kind in ("Cube", "Spot", "Camera"):
+        assert desk.do("add_model", model=kind, position=[3, 1, 0]) == kind.lower()
+    desk.do("save_scene", write=True)
+    with morse.load(tmp_path / "scene.py") as again:
+        cube, spot, camera = (again.scene.find(name) for name in ("cube", "spot", "camera"))
+        assert cube is not None
+        assert cube.mesh is not None
+        assert spot is not None
+        assert spot.light is not None
+        assert spot.location[2] > 1.0  # not in the ground
+        assert camera is not None
+        assert camera.camera is not None
+
+
 OWN = """from morse.builder import *
 
 robot = ATRV()
@@ -470,3 +485,22 @@ def test_a_robot_is_built_from_nothing_driven_saved_and_loaded(
             assert ({root.name for root in again.scene.roots}, set(again.context.components)) == here
         assert here[1] == {"morsy.motion_vw", "morsy.imu", "morsy.pose"}
         assert {"small_crate", "large_crate", "small_crate_2"} <= here[0]
+
+
+def test_the_page_says_in_words_where_the_ground_ends(tmp_path: Path, open_page: Callable[..., Page]) -> None:
+    script = tmp_path / "scene.py"
+    # the ground of this world is 40 m wide
+    script.write_text(SCENE.replace("translate(1.0, 2.0)", "translate(18.0, 2.0)"))
+    with morse.load(script, view="web") as simulation:
+        page = open_page(simulation.view.url)
+        told = page.locator(".world-end")
+
+        def says(text: str) -> None:
+            wait_until(lambda: (simulation.step(1), text in (told.text_content() or ""))[1], text)
+
+        wait_until(lambda: (simulation.step(1), page.evaluate("Boolean(morse.stage.world)"))[1], "the world")
+        assert told.is_hidden()
+        simulation.place("robot", [19.0, 2.0, 0.0])
+        says("The ground ends at x = 20 m: beyond it, robot falls.")
+        simulation.place("robot", [21.0, 2.0, 0.0])
+        says("robot has fallen off: the ground of this world ends at x = 20 m.")

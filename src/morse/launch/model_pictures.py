@@ -24,6 +24,7 @@ import numpy as np
 from morse.assets import find, load, search
 from morse.assets.cache import Cache
 from morse.builder.components.robot import Robot
+from morse.builder.components.solids import BlenderObject
 from morse.builder.creator import ComponentCreator
 from morse.builder.names import catalog
 from morse.builder.own_classes import own_classes
@@ -46,6 +47,8 @@ _TOGETHER = 12
 #: direction from which models are seen, and the Euler angles of a camera that looks along it
 _FROM = (0.75, -0.95, 0.6)
 _ROTATION = (math.acos(_FROM[2] / math.hypot(*_FROM)), 0.0, math.atan2(_FROM[0], -_FROM[1]))
+#: bases of others, and frames, which nobody sees
+_NO_SOLIDS = ("Mesh", "Empty", "Coordsys")
 _ON_ROBOTS = ("sensors", "actuators")
 #: m; larger parts of worlds are grounds and buildings
 _LARGEST_PART = 5.0
@@ -129,6 +132,10 @@ def models(sources: Sequence[str] = ()) -> list[Model]:
             cls = getattr(builder, name)
             if _is_component(cls, group):
                 items.append(Model(name, name, group, *_described(cls, described.get(name))))
+    for name in builder.__all__:
+        cls = getattr(builder, name)
+        if isinstance(cls, type) and issubclass(cls, BlenderObject) and name not in _NO_SOLIDS:
+            items.append(Model(name, name, "solids, lamps and cameras", (inspect.getdoc(cls) or "").partition("\n")[0]))
     for name in search.available("props"):
         items += _objects(name, "props")
     labels = {item.name for item in items}

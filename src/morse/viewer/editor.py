@@ -48,6 +48,8 @@ Triple = tuple[float, float, float]
 
 #: maximum number of changes of a scene, and of those that can be undone
 _MOST_CHANGES = 1000
+#: height over the ground of what cannot be seen, m
+_OVERHEAD = 2.5
 _FULL = f"the scene has {_MOST_CHANGES} changes: save and reload it before you change more"
 
 
@@ -250,7 +252,8 @@ class Editor:
             corners = visible_extent(part.scene_node)
             position, angles = _triple(part.location), _triple(part.rotation_euler)
             is_named = part.name_strength is Strength.GIVEN
-        return position, angles, 0.0 if corners is None else float(corners[0][2]) - position[2], is_named
+        # a lamp, or a camera of the world, looks down
+        return position, angles, -_OVERHEAD if corners is None else float(corners[0][2]) - position[2], is_named
 
     def _spawn(self, addition: Addition) -> None:
         name = addition.scene_name

@@ -2,7 +2,7 @@ import type { Connection } from "../connection/connection";
 import type { PoseFrame } from "../connection/frames";
 import type { Pace } from "../generated/protocol";
 import { ask } from "../ui/ask";
-import { h, iconButton } from "../ui/dom";
+import { disable, h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
@@ -45,7 +45,7 @@ export class Clock {
 
   /** Watchers see the controls, but cannot use them. */
   enable(enabled: boolean): void {
-    for (const button of this.buttons) button.disabled = !enabled;
+    for (const button of this.buttons) disable(button, !enabled);
   }
 
   show(frame: PoseFrame): void {

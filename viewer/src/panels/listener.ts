@@ -1,5 +1,5 @@
 import type { Connection } from "../connection/connection";
-import { h } from "../ui/dom";
+import { disable, h } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { Signal } from "../ui/signal";
 
@@ -38,7 +38,7 @@ export class Listener {
   }
 
   enable(enabled: boolean): void {
-    this.select.disabled = !enabled;
+    disable(this.select, !enabled);
   }
 
   ask(robot: string | null): void {

@@ -2,7 +2,7 @@ import { Euler, Quaternion, Vector3 } from "three";
 import type { Connection } from "../connection/connection";
 import type { Images } from "./images";
 import type { Toasts } from "./toasts";
-import { h, iconButton } from "../ui/dom";
+import { disable, h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
 import type { Follow } from "../view/follow";
@@ -44,8 +44,7 @@ export class ObjectPanel {
     /** One that changes the scene. */
     const change = (...parts: Parameters<typeof button>): HTMLButtonElement => {
       const made = button(...parts);
-      made.disabled = !this.drives.value;
-      if (made.disabled) made.title = `${parts[2]}: only the page that drives can do this`;
+      disable(made, !this.drives.value);
       return made;
     };
     const isMounted = ["sensor", "actuator"].includes(node.description.kind);

@@ -1,7 +1,7 @@
 import type { App } from "../app";
 import type { DisplayDescription } from "../generated/protocol";
 import { Layers } from "../layers/layers";
-import { h, iconButton } from "../ui/dom";
+import { disable, h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { isCamera } from "../model/components";
 import { Sounds } from "../sound/sounds";
@@ -29,6 +29,7 @@ import { SavedPanel } from "./saved";
 import { TouchPad } from "./touchpad";
 import { TreePanel } from "./tree";
 import { ViewMenu } from "./viewmenu";
+import { WorldEnd } from "./worldend";
 
 /** All panels with their positions and shortcuts. */
 export class Panels {
@@ -81,7 +82,7 @@ export class Panels {
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();
-    shell.over.append(h("div", { class: "said" }, this.recording.element, app.clock.warning, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
+    shell.over.append(h("div", { class: "said" }, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
     // a hand that drives cannot move the camera, and a small picture is left soon
@@ -127,10 +128,7 @@ export class Panels {
     const themeButton = iconButton(icons.moon, "Light or dark", toggleTheme);
     theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
     const quitButton = iconButton(icons.power, "End the simulation", () => this.app.clock.quit());
-    this.app.seat.drives.watch((drives) => {
-      quitButton.disabled = !drives;
-      quitButton.title = drives ? "End the simulation" : "End the simulation: only the page that drives can do this";
-    });
+    this.app.seat.drives.watch((drives) => disable(quitButton, !drives));
     // rarely used controls: beside the others, or behind a button in narrow windows
     const more = h(
       "div",
@@ -182,8 +180,8 @@ export class Panels {
     shortcuts.add("Page", ["m", "M"], "M", "move the selected object, or stop", () => this.move(this.selectedNode()));
     shortcuts.add("Page", ["n", "N"], "N", "move: translate or rotate", () => this.mover.turn());
     shortcuts.add("Page", ["Delete"], "Del", "delete the selection", () => void this.editor.delete(app.components.selected.value));
-    shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo a change of the scene", () => void this.editor.undo());
-    shortcuts.add("Page", ["Ctrl+y", "Ctrl+Z"], "Ctrl+Y", "make a change again that was undone", () => void this.editor.redo());
+    shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo a change", () => void this.editor.undo());
+    shortcuts.add("Page", ["Ctrl+y", "Ctrl+Z"], "Ctrl+Y", "redo a change", () => void this.editor.redo());
     shortcuts.add("Page", ["Ctrl+d"], "Ctrl+D", "duplicate the selection", () => void this.editor.duplicate(app.components.selected.value));
     shortcuts.add("Page", ["Ctrl+s"], "Ctrl+S", "save the scene", () => void this.editor.save());
     shortcuts.add("Page", ["x", "X"], "X", "screenshot", () => this.capture.picture());

@@ -44,6 +44,15 @@ export function reveal(element: Element, block: "nearest" | "center" = "nearest"
   }
 }
 
+const WHY = ": only the page that drives can do this";
+
+/** Disable a control of the driving page for others, with the reason in its tooltip. */
+export function disable(control: HTMLButtonElement | HTMLSelectElement, disabled: boolean): void {
+  control.disabled = disabled;
+  const own = control.title.replace(WHY, "");
+  control.title = disabled ? own + WHY : own;
+}
+
 /** A button with an icon; the label is its accessible name and its tooltip. */
 export function iconButton(icon: string, label: string, onclick: () => void, keys = ""): HTMLButtonElement {
   const button = h("button", {

@@ -18,6 +18,7 @@ from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.finalise import declare
 from morse.builder.components.passive import PassiveObject
 from morse.builder.components.robot import Robot, WheeledRobot, connect
+from morse.builder.components.solids import BlenderObject
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.environment.environment import connect_by_default
 from morse.builder.errors import checks
@@ -312,7 +313,7 @@ def maker_of(kind: str) -> Callable[[], object]:
     if is_description(kind):
         return lambda: _described_by(kind)
     maker = getattr(morse.builder, kind, None) if kind in morse.builder.__all__ else None
-    if isinstance(maker, type) and issubclass(maker, Robot):
+    if isinstance(maker, type) and issubclass(maker, (Robot, BlenderObject)):
         return maker
     own = own_class(kind)
     if own is not None and issubclass(own, Robot):
