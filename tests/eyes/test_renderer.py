@@ -15,7 +15,7 @@ import pytest
 
 import morse
 from morse.eyes.geoms import GeomArray
-from morse.eyes.renderer import _three_geoms
+from morse.eyes.renderer import three_geoms
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -444,8 +444,41 @@ def test_geoms_are_read_where_they_are_in_memory() -> None:
     scene = mujoco.MjvScene(model, 50)
     camera = mujoco.MjvCamera()
     mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, 7, scene)
-    geoms = GeomArray(scene, _three_geoms).now()
+    geoms = GeomArray(scene, three_geoms).now()
     assert len(geoms) == scene.ngeom == 3
     for row, geom in zip(geoms, scene.geoms[: scene.ngeom], strict=True):
         for name in row.dtype.names:
             assert np.array_equal(np.ravel(row[name]), np.ravel(getattr(geom, name))), name
+
+
+def test_a_batch_has_the_pictures_of_its_states() -> None:
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    positions = np.tile(model.qpos0, (5, 1))
+    positions[:, 0] = np.linspace(-0.2, 0.2, 5)
+    with morse.Renderer.batch(model, 5, 32, 48) as batch, morse.Renderer(model, 32, 48) as single:
+        pictures = batch.render(positions, [0, -1])
+        assert pictures.shape == (5, 2, 32, 48, 3)
+        states = []
+        for row, position in enumerate(positions):
+            data = mujoco.MjData(model)
+            data.qpos[:] = position
+            mujoco.mj_forward(model, data)
+            states.append(data)
+            for column, camera in enumerate((0, -1)):
+                single.update_scene(data, camera)
+                assert np.array_equal(single.render(), pictures[row, column])
+        assert np.array_equal(batch.render(states, "above"), pictures[:, 0])
+        assert batch.render(states, kind="depth").shape == (5, 32, 48)
+        assert batch.render(states, kind="ids").dtype == np.int32
+        with pytest.raises(ValueError, match="5 states, got 4"):
+            batch.render(states[:4])
+        with pytest.raises(ValueError, match=r"shape \(5, 7\)"):
+            batch.render(np.zeros((5, 3)))
+        with pytest.raises(ValueError, match="rgb, depth, ids"):
+            batch.render(states, kind="heat")
+        with pytest.raises(ValueError, match='"x" does not exist'):
+            batch.render(states, ["x"])
+    with pytest.raises(RuntimeError, match="after close"):
+        batch.render(states)
+    with pytest.raises(ValueError, match="at least one"):
+        morse.Renderer.batch(model, 0)

@@ -7,8 +7,11 @@
     renderer = morse.Renderer(model, height=480, width=640)  # as mujoco.Renderer
     renderer.update_scene(data, camera="front")
     rgb = renderer.render()
+
+For programs that call MuJoCo's own renderer: ``morse.eyes.install()``, first of all.
 """
 
+from morse.eyes.opengl import install, uninstall
 from morse.eyes.renderer import Renderer
 
-__all__ = ["Renderer"]
+__all__ = ["Renderer", "install", "uninstall"]

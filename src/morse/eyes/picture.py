@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from morse.eyes.geoms import (
     MESH,
     PLANE,
     SKIN,
-    GeomArray,
     Instances,
     Look,
     instances_of,
@@ -133,6 +132,13 @@ def view_of(scene: Any, width: int, height: int) -> View:
     return View(eye, axes, focal, focal, cx, cy, near + shift, far + shift, shift, width, height)
 
 
+class Geoms(Protocol):
+    """The geoms of a scene; see `morse.eyes.geoms.GeomArray`."""
+
+    def now(self) -> NDArray[np.void]:
+        """(N,) the geoms that are used."""
+
+
 class Artist:
     """Draws scenes of one model; what it keeps only saves time.
 
@@ -154,8 +160,22 @@ class Artist:
         self._instances: Instances | None = None
         self._drawer: NativeDrawer | None = None
 
-    def surfaces(self, scene: Any, geoms: GeomArray, view: View) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    def surfaces(self, scene: Any, geoms: Geoms, view: View) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         """The depth (H, W), m, and the ids (H, W, 2), id and type, of all geoms as opaque ones."""
+        depth, shown, instances = self._surfaces(scene, geoms, view)
+        table = np.concatenate([instances.ids, np.full((1, 2), -1, np.int32)])
+        return depth, table[shown]
+
+    def segments(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.int32]:
+        """The numbers ``segid`` of geoms (H, W), -1 for none."""
+        _, shown, instances = self._surfaces(scene, geoms, view)
+        table = np.append(geoms.now()["segid"][instances.geoms], -1).astype(np.int32)
+        return np.asarray(table[shown])
+
+    def _surfaces(
+        self, scene: Any, geoms: Geoms, view: View
+    ) -> tuple[NDArray[np.float32], NDArray[np.int32], Instances]:
+        """The depth (H, W), and the instances (H, W), -1 for none."""
         g = geoms.now()
         instances, draw = self._arranged(g, scene)
         poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
@@ -164,12 +184,14 @@ class Artist:
         depth = pictures.depth.reshape(view.height, view.width)
         # the background is at the far plane
         depth = np.where(depth > 0.0, depth, np.float32(view.far)) - np.float32(view.shift)
-        table = np.concatenate([instances.ids, np.full((1, 2), -1, np.int32)])
-        return depth, table[pictures.ids].reshape(view.height, view.width, 2)
+        return depth, pictures.ids.reshape(view.height, view.width), instances
 
-    def colors(self, scene: Any, geoms: GeomArray, view: View) -> NDArray[np.uint8]:
-        """The colours (H, W, 3) of a scene."""
-        g = geoms.now()
+    def colors(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.uint8]:
+        """The colours (H, W, 3) of a scene; geoms that are not finite are not drawn."""
+        with np.errstate(invalid="ignore", over="ignore"):
+            return self._colors(scene, geoms.now(), view)
+
+    def _colors(self, scene: Any, g: NDArray[np.void], view: View) -> NDArray[np.uint8]:
         instances, draw = self._arranged(g, scene)
         poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
         opacity = np.array(instances.opacity)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +12,10 @@ import numpy as np
 
 from morse.eyes.geoms import GeomArray
 from morse.eyes.picture import LOOKS, Artist, view_of
+from morse.kernel import threads
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
     from typing import Self
 
@@ -57,10 +61,10 @@ class Renderer:
             raise ValueError(f"The look {look!r} does not exist; there are: {', '.join(LOOKS)}.")
         self._model, self._width, self._height = model, width, height
         self._scene = mujoco.MjvScene(model=model, maxgeom=max_geom)
-        self._geoms = GeomArray(self._scene, _three_geoms)
+        self._geoms = GeomArray(self._scene, three_geoms)
         self._scene_option = mujoco.MjvOption()
         self._artist = Artist(model, look, 2 * max(width, height))
-        self._mode = "color"
+        self._mode = "rgb"
         #: what draws serves one call at a time
         self._lock = Lock()
 
@@ -91,7 +95,7 @@ class Renderer:
     def disable_depth_rendering(self) -> None:
         """Let `render` return colours again."""
         if self._mode == "depth":
-            self._mode = "color"
+            self._mode = "rgb"
 
     def enable_segmentation_rendering(self) -> None:
         """Let `render` return ids."""
@@ -100,7 +104,11 @@ class Renderer:
     def disable_segmentation_rendering(self) -> None:
         """Let `render` return colours again."""
         if self._mode == "ids":
-            self._mode = "color"
+            self._mode = "rgb"
+
+    def show(self, kind: str) -> None:
+        """Let `render` return ``rgb``, ``depth`` or ``ids``."""
+        self._mode = kind
 
     def update_scene(
         self,
@@ -149,12 +157,12 @@ class Renderer:
             ValueError: `out` has another shape, or the scene has no finite camera.
         """
         artist = self._open("render")
-        shape = (self._height, self._width, *{"color": (3,), "depth": (), "ids": (2,)}[self._mode])
+        shape = (self._height, self._width, *_KINDS[self._mode][0])
         if out is not None and out.shape != shape:
             raise ValueError(f"Expected out.shape == {shape}. Got out.shape={out.shape} instead.")
         view = view_of(self._scene, self._width, self._height)
         with self._lock:
-            if self._mode == "color":
+            if self._mode == "rgb":
                 picture: NDArray[Any] = artist.colors(self._scene, self._geoms, view)
             else:
                 depth, ids = artist.surfaces(self._scene, self._geoms, view)
@@ -163,6 +171,28 @@ class Renderer:
             return picture
         np.copyto(out, picture, casting="unsafe")
         return out
+
+    @classmethod
+    def batch(
+        cls,
+        model: mujoco.MjModel,
+        count: int,
+        height: int = 240,
+        width: int = 320,
+        max_geom: int = 10000,
+        *,
+        look: str = "classic",
+    ) -> BatchRenderer:
+        """Return a renderer of many states of a model; see `BatchRenderer`.
+
+        Args:
+            count: number of states, N.
+            height, width, max_geom, look: see `Renderer`.
+
+        Raises:
+            ValueError: see `Renderer`; or the number is less than 1.
+        """
+        return BatchRenderer(model, count, lambda: cls(model, height, width, max_geom, look=look))
 
     def close(self) -> None:
         """Release the memory; `render` cannot be called afterwards."""
@@ -182,7 +212,107 @@ class Renderer:
         self.close()
 
 
-def _three_geoms() -> mujoco.MjvScene:
+class BatchRenderer:
+    """Renders many states of a model at once: each processor draws other pictures, of the same bits as `Renderer`.
+
+    Args:
+        model: `mujoco.MjModel`.
+        count: number of states, N.
+        make: makes a renderer.
+    """
+
+    def __init__(self, model: mujoco.MjModel, count: int, make: Callable[[], Renderer]) -> None:
+        if count < 1:
+            raise ValueError(f"A batch has at least one state, got {count}.")
+        self._model, self._count = model, count
+        self._renderers = [make() for _ in range(min(threads.count(), count))]
+        self._states = [mujoco.MjData(model) for _ in self._renderers]
+        self._pool: ThreadPoolExecutor | None = ThreadPoolExecutor(
+            len(self._renderers), thread_name_prefix="morse-pictures"
+        )
+
+    def render(
+        self,
+        states: Sequence[mujoco.MjData] | NDArray[np.floating],
+        cameras: int | str | mujoco.MjvCamera | Sequence[int | str | mujoco.MjvCamera] = -1,
+        scene_option: mujoco.MjvOption | None = None,
+        *,
+        kind: str = "rgb",
+    ) -> NDArray[Any]:
+        """Return pictures of all states.
+
+        Args:
+            states: N states after `mujoco.mj_forward`; or (N, nq) positions of joints, m and rad.
+            cameras: a camera as in `Renderer.update_scene`, or a list of C cameras.
+            scene_option: see `Renderer.update_scene`.
+            kind: ``rgb``, ``depth`` or ``ids``.
+
+        Returns:
+            (N, H, W, 3) uint8, (N, H, W) float32 or (N, H, W, 2) int32, see `Renderer.render`; with a list of cameras
+            (N, C, ...).
+
+        Raises:
+            RuntimeError: the renderer is closed.
+            ValueError: the number of states, their shape, a camera or the kind is wrong.
+        """
+        if self._pool is None:
+            raise RuntimeError("render cannot be called after close.")
+        if kind not in _KINDS:
+            raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(_KINDS)}.")
+        if len(states) != self._count:
+            raise ValueError(f"The batch has {self._count} states, got {len(states)}.")
+        if isinstance(states, np.ndarray) and states.shape != (self._count, self._model.nq):
+            raise ValueError(f"Positions have the shape {(self._count, self._model.nq)}, got {states.shape}.")
+        several = isinstance(cameras, Sequence) and not isinstance(cameras, str)
+        views = list(cameras) if several else [cameras]  # type: ignore[arg-type]
+        first = self._renderers[0]
+        shape, form = _KINDS[kind]
+        pictures: NDArray[Any] = np.empty((self._count, len(views), first.height, first.width, *shape), form)
+        share = len(self._renderers)
+
+        def draw(number: int) -> None:
+            renderer, own = self._renderers[number], self._states[number]
+            renderer.show(kind)
+            for row in range(number, self._count, share):
+                data = states[row]
+                if isinstance(states, np.ndarray):
+                    own.qpos[:] = states[row]
+                    mujoco.mj_fwdPosition(self._model, own)
+                    data = own
+                for column, camera in enumerate(views):
+                    renderer.update_scene(data, camera, scene_option)
+                    renderer.render(out=pictures[row, column])
+
+        list(self._pool.map(draw, range(share)))
+        return pictures if several else pictures[:, 0]
+
+    def close(self) -> None:
+        """Release the memory, and end the threads."""
+        if self._pool is not None:
+            self._pool.shutdown()
+        self._pool = None
+        for renderer in self._renderers:
+            renderer.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+#: kinds of pictures: the shape of a pixel, and its type
+_KINDS: dict[str, tuple[tuple[int, ...], type]] = {
+    "rgb": ((3,), np.uint8),
+    "depth": ((), np.float32),
+    "ids": ((2,), np.int32),
+}
+
+
+def three_geoms() -> mujoco.MjvScene:
+    """Return a scene that has room for three geoms."""
     model = mujoco.MjModel.from_xml_string("<mujoco/>")
     return mujoco.MjvScene(model, maxgeom=3)
 

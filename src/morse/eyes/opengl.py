@@ -1,0 +1,183 @@
+"""The functions of MuJoCo that draw with OpenGL, replaced by those of this package for a process."""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.eyes.geoms import GeomArray
+from morse.eyes.picture import LOOKS, Artist, View, view_of
+from morse.eyes.renderer import Renderer, three_geoms
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: rendering flags and maps of depths (`mujoco.mjtRndFlag`, `mujoco.mjtDepthMap`)
+_SEGMENT = int(mujoco.mjtRndFlag.mjRND_SEGMENT)
+_ZERO_NEAR, _ZERO_FAR = 0, 1
+
+
+class GLContext:
+    """A context of OpenGL, which is not needed."""
+
+    def __init__(self, max_width: int = 0, max_height: int = 0) -> None:
+        del max_width, max_height
+
+    def make_current(self) -> None:
+        """Do nothing."""
+
+    def free(self) -> None:
+        """Do nothing."""
+
+
+class _Snapshot:
+    """The geoms of a scene at the time of a picture."""
+
+    def __init__(self, geoms: NDArray[np.void]) -> None:
+        self._geoms = geoms
+
+    def now(self) -> NDArray[np.void]:
+        return self._geoms
+
+
+class MjrContext:
+    """Replaces `mujoco.MjrContext`: what draws a model, and the last picture.
+
+    Attributes:
+        offWidth, offHeight: largest size, pixels.
+        currentBuffer: as `mjr_setBuffer` has set it; there is only one buffer.
+        readDepthMap: 0 if depths are 0 at the near plane, 1 if they are 0 at the far plane.
+    """
+
+    look = "classic"
+
+    def __init__(self, model: mujoco.MjModel | None = None, fontscale: object = None) -> None:
+        del fontscale
+        buffer = None if model is None else model.vis.global_
+        self.offWidth = 0 if buffer is None else int(buffer.offwidth)
+        self.offHeight = 0 if buffer is None else int(buffer.offheight)
+        self.offSamples, self.currentBuffer, self.readDepthMap = 4, 0, _ZERO_NEAR
+        self.offFBO, self.windowAvailable = 1, 0
+        self.size = max(self.offWidth, self.offHeight, 1)
+        self._artist = None if model is None else Artist(model, self.look, self.size)
+        self._scene: Any = None
+        self._geoms: GeomArray | None = None
+        self._shown: tuple[Any, _Snapshot, View] | None = None
+        self._colors = np.zeros((0, 0, 3), np.uint8)
+
+    def free(self) -> None:
+        """Release the memory."""
+        self._artist = self._shown = self._scene = self._geoms = None
+
+    def render(self, viewport: Any, scene: Any) -> None:
+        """See `mjr_render`."""
+        if self._artist is None:
+            raise RuntimeError("mjr_render cannot be called after the context was freed.")
+        if self._scene is not scene or self._geoms is None:
+            self._scene, self._geoms = scene, GeomArray(scene, three_geoms)
+        view = view_of(scene, int(viewport.width), int(viewport.height))
+        geoms = _Snapshot(self._geoms.now().copy())
+        self._shown = scene, geoms, view
+        if not scene.flags[_SEGMENT]:
+            self._colors = self._artist.colors(scene, geoms, view)
+            return
+        numbers = self._artist.segments(scene, geoms, view) + 1
+        self._colors = np.stack([numbers & 255, numbers >> 8 & 255, numbers >> 16 & 255], axis=-1).astype(np.uint8)
+
+    def read(self, rgb: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None, viewport: Any) -> None:
+        """See `mjr_readPixels`."""
+        if self._artist is None or self._shown is None:
+            raise RuntimeError("mjr_readPixels cannot be called before mjr_render, or after the context was freed.")
+        scene, geoms, view = self._shown
+        shape = int(viewport.height), int(viewport.width)
+        if shape != (view.height, view.width):
+            raise ValueError(
+                f"mjr_readPixels reads what mjr_render has drawn, {view.height} x {view.width}, not {shape}."
+            )
+        if rgb is not None:
+            rgb.reshape(*shape, 3)[:] = self._colors[::-1]
+        if depth is not None:
+            near, far = view.near - view.shift, view.far - view.shift
+            metres = self._artist.surfaces(scene, geoms, view)[0].astype(np.float64)
+            share = (far - metres) / (far - near)
+            if not view.shift:
+                share *= near / metres
+            depth.reshape(shape)[:] = (share if self.readDepthMap == _ZERO_FAR else 1 - share)[::-1]
+
+
+def _render(viewport: Any, scn: Any, con: MjrContext) -> None:
+    con.render(viewport, scn)
+
+
+def _read_pixels(
+    rgb: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None, viewport: Any, con: MjrContext
+) -> None:
+    con.read(rgb, depth, viewport)
+
+
+def _set_buffer(framebuffer: int, con: MjrContext) -> None:
+    con.currentBuffer = int(framebuffer)
+
+
+def _nothing(*arguments: object, **named: object) -> None:
+    """Texts, figures and uploads are not drawn."""
+
+
+#: what replaces the names of `mujoco`
+_NAMES: dict[str, Any] = {
+    "MjrContext": MjrContext,
+    "Renderer": Renderer,
+    "mjr_render": _render,
+    "mjr_readPixels": _read_pixels,
+    "mjr_setBuffer": _set_buffer,
+    **dict.fromkeys(
+        ("mjr_overlay", "mjr_text", "mjr_figure", "mjr_rectangle", "mjr_finish", "mjr_resizeOffscreen"), _nothing
+    ),
+}
+#: modules that make contexts of OpenGL
+_CONTEXTS = ("mujoco.egl", "mujoco.osmesa", "mujoco.glfw")
+_before: dict[str, Any] = {}
+
+
+def install(*, look: str = "classic") -> None:
+    """Let `mujoco.Renderer`, `mujoco.MjrContext` and the functions ``mjr_*`` draw without OpenGL in this process.
+
+    Programs that import these names before keep those that they have: call it first. It does not matter how often.
+
+    Args:
+        look: ``classic`` or ``morse``, see `morse.Renderer`.
+
+    Raises:
+        ValueError: the look is unknown.
+    """
+    if look not in LOOKS:
+        raise ValueError(f"The look {look!r} does not exist; there are: {', '.join(LOOKS)}.")
+    MjrContext.look = look
+    if _before:
+        return
+    _before.update({name: getattr(mujoco, name, None) for name in (*_NAMES, "GLContext")})
+    _before.update({name: sys.modules.get(name) for name in _CONTEXTS})
+    for name, value in {**_NAMES, "GLContext": GLContext}.items():
+        setattr(mujoco, name, value)
+    for name in _CONTEXTS:
+        module = ModuleType(name, GLContext.__doc__)
+        module.GLContext = GLContext  # type: ignore[attr-defined]
+        sys.modules[name] = module
+
+
+def uninstall() -> None:
+    """Give MuJoCo its own functions back."""
+    for name, value in _before.items():
+        if name in _CONTEXTS:
+            sys.modules.pop(name, None)
+            if value is not None:
+                sys.modules[name] = value
+        elif value is None:
+            delattr(mujoco, name)
+        else:
+            setattr(mujoco, name, value)
+    _before.clear()

@@ -1,0 +1,108 @@
+"""Programs that draw with MuJoCo's own functions, without OpenGL."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import morse
+from morse import eyes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_MODEL = (
+    '<mujoco><worldbody><light pos="0 0 2"/><geom type="plane" size="0 0 1"/><camera name="c" pos="0 0 2"/>'
+    '<geom name="ball" type="sphere" size=".3" rgba="1 0 0 1"/></worldbody></mujoco>'
+)
+
+
+@pytest.fixture
+def state() -> tuple[Any, Any]:
+    """A model and its state."""
+    model = mujoco.MjModel.from_xml_string(_MODEL)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+@pytest.fixture
+def installed() -> Iterator[None]:
+    """Functions that draw without OpenGL."""
+    eyes.install()
+    yield
+    eyes.uninstall()
+
+
+@pytest.mark.usefixtures("installed")
+def test_functions_of_mujoco_draw_the_pictures_of_the_renderer(state: tuple[Any, Any]) -> None:
+    model, data = state
+    context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
+    viewport = mujoco.MjrRect(0, 0, 60, 40)
+    with mujoco.Renderer(model, 40, 60) as renderer:
+        assert isinstance(renderer, morse.Renderer)
+        renderer.update_scene(data, "c")
+        mujoco.mjr_render(viewport, renderer.scene, context)
+        rgb, depth = np.zeros((40, 60, 3), np.uint8), np.zeros((40, 60), np.float32)
+        mujoco.mjr_readPixels(rgb, depth, viewport, context)
+        # OpenGL begins with the lowest row
+        assert np.abs(rgb[::-1].astype(int) - renderer.render()).mean() < 1
+        renderer.enable_depth_rendering()
+        metres = renderer.render()
+        near, far = (float(part) * model.stat.extent for part in (model.vis.map.znear, model.vis.map.zfar))
+        assert near / (1 - depth[::-1] * (1 - near / far)) == pytest.approx(metres, rel=1e-3)
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1
+        mujoco.mjr_render(viewport, renderer.scene, context)
+        mujoco.mjr_readPixels(rgb, None, viewport, context)
+        assert rgb[20, 30].tolist() == [2, 0, 0]
+        assert rgb[0, 0].tolist() == [1, 0, 0]
+    with pytest.raises(ValueError, match="not \\(20, 20\\)"):
+        mujoco.mjr_readPixels(rgb, None, mujoco.MjrRect(0, 0, 20, 20), context)
+    context.free()
+    with pytest.raises(RuntimeError, match="freed"):
+        mujoco.mjr_render(viewport, renderer.scene, context)
+
+
+def test_uninstall_gives_everything_back() -> None:
+    names = ("MjrContext", "mjr_render", "Renderer")
+    before = [getattr(mujoco, name) for name in names]
+    eyes.install()
+    eyes.install(look="morse")
+    assert mujoco.MjrContext is not before[0]
+    assert "mujoco.egl" in sys.modules
+    eyes.uninstall()
+    assert [getattr(mujoco, name) for name in names] == before
+    with pytest.raises(ValueError, match="classic, morse"):
+        eyes.install(look="cubist")
+
+
+_GYMNASIUM = """
+import sys, types
+from morse import eyes
+eyes.install()
+# windows and films, which are not needed here
+for name in ("glfw", "imageio"):
+    sys.modules[name] = types.ModuleType(name)
+sys.modules["glfw"].terminate = lambda: None
+import gymnasium, numpy as np
+env = gymnasium.make("HalfCheetah-v5", render_mode="rgb_array", width=64, height=48)
+env.reset(seed=1)
+picture = env.render()
+assert picture.shape == (48, 64, 3) and picture.std() > 20, (picture.shape, picture.std())
+env.step(env.action_space.sample())
+assert not np.array_equal(env.render(), picture)
+env.close()
+print("drawn")
+"""
+
+
+def test_environments_of_gymnasium_draw_with_one_line_more() -> None:
+    import subprocess
+
+    result = subprocess.run([sys.executable, "-c", _GYMNASIUM], capture_output=True, text=True, check=False)
+    assert result.stdout.strip() == "drawn", result.stderr
