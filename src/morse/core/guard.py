@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, MutableMapping, MutableSequence, Sequence
 
     from morse.core.clock import Clock
-    from morse.core.interfaces import Component, Middleware, Modifier
+    from morse.core.interfaces import Acting, Component, Middleware, Modifier
     from morse.core.observer import Observer
 
 _R = TypeVar("_R")
@@ -139,13 +139,13 @@ class Guard:
         self.raises: Callable[[BaseException, str], bool] | None = None
         self.failures: list[Failure] = []
         self.managers_off: set[str] = set()
-        self.remarks: Callable[[Component], Iterable[str]] = _no_remarks
+        self.remarks: Callable[[object], Iterable[str]] = _no_remarks
         #: components that cannot be switched off: they go on raising, and nobody hears of it
-        self._deaf: dict[int, Component] = {}
+        self._deaf: dict[int, Acting] = {}
 
     # -- calls -----------------------------------------------------------------------------
 
-    def act(self, components: Iterable[Component]) -> None:
+    def act(self, components: Iterable[Acting]) -> None:
         """Let components act; one that raises is deactivated."""
         for component in components:
             try:
@@ -232,7 +232,7 @@ class Guard:
         if len(self.failures) < _MOST:
             self.failures.append(failure)
 
-    def deactivate(self, component: Component, error: BaseException, culprit: object = None) -> None:
+    def deactivate(self, component: Acting, error: BaseException, culprit: object = None) -> None:
         """Switch off a component.
 
         Args:

@@ -33,7 +33,7 @@ _METHODS = frozenset(
 _ATTRIBUTES = {"clock": Clock, "context": Context}
 
 
-def hidden_methods(component: Component) -> list[tuple[str, bool]]:
+def hidden_methods(component: object) -> list[tuple[str, bool]]:
     """Return a line for each attribute that hides a method of all components.
 
     Args:
@@ -87,7 +87,7 @@ def laziness(function: object) -> str:
     return "contains 'yield'" if inspect.isgeneratorfunction(function) else ""
 
 
-def uncover(component: Component) -> list[str]:
+def uncover(component: object) -> list[str]:
     """Remove attributes that hide methods without which a running component does not work; return a line for each."""
     lines = [text for text, is_essential in hidden_methods(component) if is_essential]
     for name in _ESSENTIAL:
@@ -96,7 +96,7 @@ def uncover(component: Component) -> list[str]:
     return lines
 
 
-def _hidden(component: Component) -> Iterator[tuple[str, object]]:
+def _hidden(component: object) -> Iterator[tuple[str, object]]:
     own = vars(component)
     names_so_far = set()
     for base in type(component).__mro__:

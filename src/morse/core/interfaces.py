@@ -45,6 +45,21 @@ class Entry(Protocol):
         """Let all components act in each tick."""
 
 
+class Acting(Protocol):
+    """What acts at a rate: a component, or an entry of the schedule with several of them."""
+
+    frequency: float
+
+    def name(self) -> str:
+        """The name in profiles and messages."""
+
+    def action(self) -> None:
+        """Perform one tick."""
+
+    def switch_off(self) -> None:
+        """End its actions, or change how they are called, after an error."""
+
+
 class Guarding(Protocol):
     """Calls the code of users, and switches off the part that raises, see `morse.core.guard.Guard`."""
 
@@ -64,7 +79,7 @@ class Guarding(Protocol):
     def call(self, functions: MutableSequence[_Call], *arguments: object) -> None:
         """Call the functions of a list; one that raises is removed from it."""
 
-    def deactivate(self, component: Component, error: BaseException, culprit: object = None) -> None:
+    def deactivate(self, component: Acting, error: BaseException, culprit: object = None) -> None:
         """Switch off a component; ``culprit`` is its modifier that has raised the error, if any."""
 
     def close(

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.declarations import DataField
-    from morse.core.interfaces import Component
     from morse.core.sensor import Sensor
     from morse.core.values import Fields, Value
     from morse.scene.realism import NoiseModel, RealismModel
@@ -301,7 +300,7 @@ def copied(value: object) -> Value:
     return deepcopy(value)
 
 
-def phase_of(component: Component) -> float:
+def phase_of(component: object) -> float:
     """Return the time of the first action of a component after the start, s."""
     realism = getattr(component, "realism", None)
     return realism.phase if isinstance(realism, Realism) else 0.0

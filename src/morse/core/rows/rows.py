@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.core.actuator import Actuator
-    from morse.core.interfaces import Component
+    from morse.core.interfaces import Acting, Component
     from morse.core.values import Fields, Value
     from morse.core.world import Snapshot
     from morse.core.world.body import Mounting
@@ -51,7 +51,7 @@ class Rows(Generic[_M]):
     functions: ClassVar[str]
     modifiers: ClassVar[str]
 
-    def __init__(self, members: Sequence[_M], act: Callable[[Sequence[_M | Rows[_M]]], None]) -> None:
+    def __init__(self, members: Sequence[_M], act: Callable[[Sequence[Acting]], None]) -> None:
         self.members = tuple(members)
         self.frequency = members[0].frequency
         self.stamp = 0
@@ -72,6 +72,10 @@ class Rows(Generic[_M]):
     def name(self) -> str:
         """Name in profiles."""
         return f"{len(self.members)} x {type(self.members[0]).__name__}" if self.members[1:] else self.members[0].name()
+
+    def action(self) -> None:
+        """Let the members act."""
+        raise NotImplementedError
 
     # -- who is a row ------------------------------------------------------------------------
 
@@ -178,7 +182,7 @@ class ActuatorRows(Rows["Actuator"]):
 
     functions, modifiers = "input_functions", "input_modifiers"
 
-    def __init__(self, members: Sequence[Actuator], act: Callable[[Sequence[Actuator | Rows[Actuator]]], None]) -> None:
+    def __init__(self, members: Sequence[Actuator], act: Callable[[Sequence[Acting]], None]) -> None:
         self._fields = lasting_fields(type(members[0]))
         #: members whose actions do not drive their robots at speeds that last
         self._others: set[int] = set()

@@ -9,7 +9,7 @@ single ticks.
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.actuator import Actuator
 from morse.core.guard import after_tick
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.context import Context
+    from morse.core.interfaces import Acting, Component
     from morse.core.observer import Observer
     from morse.core.rows.columns import Setpoints
     from morse.simulation.ticks.ticking import Schedule
@@ -40,8 +41,8 @@ class TickSpan(NamedTuple):
     """
 
     ticks: int
-    sensors: Sequence[Any]
-    asking: Sequence[Any]
+    sensors: Sequence[Acting]
+    asking: Sequence[Component]
     skips: Sequence[tuple[SensorRows, int]]
 
 
@@ -52,7 +53,7 @@ class MultiTick:
         actuators, sensors: the components and rows of the simulation.
     """
 
-    def __init__(self, context: Context, actuators: Schedule[Any], sensors: Schedule[Any]) -> None:
+    def __init__(self, context: Context, actuators: Schedule[Acting], sensors: Schedule[Acting]) -> None:
         self._context = context
         frequency = context.clock.frequency
         self._sensors = sensors
@@ -66,9 +67,9 @@ class MultiTick:
             drives = is_a(entry, ActuatorRows)
             self.is_possible &= (drives or is_a(entry, Actuator)) and entry.frequency >= frequency
             self.is_possible &= not self._asking([entry])
-            (self._drives if drives else self._holding).append(entry)
+            (self._drives if drives else self._holding).append(entry)  # type: ignore[arg-type] # one of the two
         #: the other sensors, and whether none of them has anything to do before somebody outside of the ticks reads it
-        self._others: list[Any] = []
+        self._others: list[Acting] = []
         self._rests = True
         #: whether all sensors are rows that forget their previous measurements
         self._forgets = True
@@ -156,7 +157,7 @@ class MultiTick:
         due = [self._sensors.due(first + number) for number in range(most)]
         later: dict[int, int] = {id(entry): int(measured) for entry in self._sensors}
         #: the sensors that have to measure in each tick
-        acting: list[list[object]] = [[] for _ in due]
+        acting: list[list[Acting]] = [[] for _ in due]
         acting[-1] = due[-1]
         later.update({id(entry): 1 for entry in due[-1]})
         # backwards: how often is each measured after this tick?
@@ -175,7 +176,7 @@ class MultiTick:
         skipped = [(scan, skips[id(scan)]) for scan in self._scans if skips[id(scan)]]
         return TickSpan(count, measuring, self._asking(measuring), skipped)
 
-    def _asking(self, entries: Sequence[object]) -> list[Any]:
+    def _asking(self, entries: Sequence[Acting]) -> list[Component]:
         """The components with requests."""
         members = [member for entry in entries for member in (entry.members if is_a(entry, Rows) else (entry,))]
         return self._context.guard.those(members, _requests, _nothing)
@@ -209,7 +210,7 @@ def _rests(component: object) -> bool:
     return is_a(component, (Sensor, Actuator)) and component.rests()  # type: ignore[attr-defined]
 
 
-def _requests(component: Any) -> object:
+def _requests(component: Component) -> object:
     return component.requests
 
 

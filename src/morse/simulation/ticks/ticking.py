@@ -7,7 +7,7 @@ import sys
 from fractions import Fraction
 from operator import call
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence, Sized
 
     from morse.core.context import Context
+    from morse.core.interfaces import Acting
     from morse.core.object import Object
     from morse.core.observer import Observer
     from morse.core.robot import Robot
@@ -99,7 +100,7 @@ def _fraction(value: float) -> Fraction:
     return Fraction(value).limit_denominator(10**6)
 
 
-def arranged(components: Sequence[Object], act: Callable[[Sequence[Object | Rows[Any]]], None]) -> list[Any]:
+def arranged(components: Sequence[Object], act: Callable[[Sequence[Acting]], None]) -> list[Acting]:
     """Return components in the order of their actions, with those of a class whose members may be rows in one entry.
 
     Actuators of a robot with several actuators keep their position in the order, because the last one takes precedence.
@@ -107,7 +108,7 @@ def arranged(components: Sequence[Object], act: Callable[[Sequence[Object | Rows
     carriers: dict[int, int] = {}
     for component in components:
         carriers[id(component.robot_parent)] = carriers.get(id(component.robot_parent), 0) + 1
-    order: list[object] = []
+    order: list[Object | list[Object]] = []
     alike: dict[tuple[object, float, float, str | None], list[Object]] = {}
     for component in components:
         is_on_demand = isinstance(component, Sensor) and component.on_demand
@@ -126,7 +127,7 @@ def arranged(components: Sequence[Object], act: Callable[[Sequence[Object | Rows
     return [_rows(entry, act) if isinstance(entry, list) else entry for entry in order]
 
 
-def _rows(members: Sequence[Object], act: Callable[[Sequence[Object | Rows[Any]]], None]) -> ActuatorRows | SensorRows:
+def _rows(members: Sequence[Object], act: Callable[[Sequence[Acting]], None]) -> ActuatorRows | SensorRows:
     if isinstance(members[0], Actuator):
         return ActuatorRows(cast("Sequence[Actuator]", members), act)
     return SensorRows(cast("Sequence[Sensor]", members), act)
@@ -157,7 +158,7 @@ class Ticker:
         self.before_physics: list[Callable[[], object]] = []
         self.reviews: list[Callable[[int, bool], int]] = []
         self._acting = acting(context)
-        self._rows: list[Rows[Any]] = []
+        self._rows: list[ActuatorRows | SensorRows] = []
         #: what holds the data of sensors that measure while somebody reads them
         self._held: list[OnDemand] = []
         #: objects that offer services and act, and what they wait for
@@ -176,11 +177,10 @@ class Ticker:
         # keys and sticks that are held always have it
         actuators = loaded.actuators[::-1]
         actuators.sort(key=lambda actuator: bool(getattr(actuator, "obeys_controls", False)))
-        self._actuators: Schedule[Any] = Schedule(arranged(actuators, self._act), frequency)
-        self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act), frequency, _phase)
-        self._rows = [
-            entry for entries in (self._actuators, self._sensors) for entry in entries if isinstance(entry, Rows)
-        ]
+        self._actuators: Schedule[Acting] = Schedule(arranged(actuators, self._act), frequency)
+        self._sensors: Schedule[Acting] = Schedule(arranged(loaded.sensors, self._act), frequency, _phase)
+        entries = [*self._actuators, *self._sensors]
+        self._rows = [entry for entry in entries if isinstance(entry, (ActuatorRows, SensorRows))]
         sensors = [sensor for sensor in loaded.sensors if isinstance(sensor, Sensor)]
         self._held = [held for one in sensors if one.on_demand and (held := hold_on_demand(one)) is not None]
         asking = [a for a in loaded.actuators if a.requests]
@@ -188,7 +188,7 @@ class Ticker:
         asking_sensors = [s for s in loaded.sensors if s.requests]
         self._asking_sensors = Schedule(asking_sensors, frequency, _phase) if asking_sensors else None
         #: by the place in the schedule: sensors that are not due in a tick, and those of them with requests
-        self._others: dict[int, tuple[list[Any], list[Any]]] = {}
+        self._others: dict[int, tuple[list[Acting], list[Object]]] = {}
         self._leaping = MultiTick(self._context, self._actuators, self._sensors)
         self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
 
@@ -355,25 +355,27 @@ class Ticker:
                 self._act(units)
             return
         measured = () if again else map(id, self._sensors.due(self._due))
-        before, units, released = set(measured), [], []
+        before = set(measured)
+        chosen: list[Acting] = []
+        released: list[Rows[Sensor]] = []
         for unit in self._sensors:
             if id(unit) in before:
                 continue
-            members = unit.members if isinstance(unit, Rows) else (unit,)
+            members: Sequence[Acting] = unit.members if isinstance(unit, SensorRows) else (unit,)
             wanted = members if names is None else [member for member in members if member.name() in names]
             if len(wanted) == len(members):
-                units.append(unit)
-            elif wanted:
+                chosen.append(unit)
+            elif wanted and isinstance(unit, SensorRows):
                 unit.release()
                 released.append(unit)
-                units += wanted
+                chosen += wanted
         with self._acting:
-            sensors = _members(units)
+            sensors = _members(chosen)
             if again:
                 self._guard.each(sensors, _look_again, self._guard.deactivate)
             if asking := [sensor for sensor in sensors if sensor.requests]:
                 serve(asking, self._guard)
-            self._act(units)
+            self._act(chosen)
         for unit in released:
             unit.form()
 
@@ -484,13 +486,13 @@ class Ticker:
             self._busy = self._guard.those(self._robots, _is_busy, self._guard.deactivate)
         return self._busy
 
-    def _act(self, components: Sequence[Any]) -> None:
+    def _act(self, components: Sequence[Acting]) -> None:
         if self.component_profiles:
             self._guard.each(components, self._measured, self._guard.deactivate)
         else:
             self._guard.act(components)
 
-    def _measured(self, component: Any) -> None:
+    def _measured(self, component: Acting) -> None:
         begin = perf_counter()
         component.action()
         end = perf_counter()
@@ -498,16 +500,16 @@ class Ticker:
             profile.component(component.name(), begin, end)
 
 
-def _look_again(sensor: Sensor) -> None:
+def _look_again(sensor: Object) -> None:
     if isinstance(sensor, Sensor):
         sensor.look_again()
 
 
-def _members(units: Sequence[object]) -> list[Any]:
+def _members(units: Sequence[Acting]) -> list[Object]:
     return [one for unit in units for one in (unit.members if isinstance(unit, Rows) else (unit,))]
 
 
-def _act(part: Any) -> None:
+def _act(part: AbstractObject) -> None:
     part.action()
 
 
@@ -515,7 +517,7 @@ def _update_pose(robot: Robot) -> None:
     robot.update_pose()
 
 
-def _phase(component: Object) -> float:
+def _phase(component: Acting) -> float:
     return component.phase if isinstance(component, Rows) else phase_of(component)
 
 
