@@ -222,6 +222,19 @@ def test_a_component_of_the_script_is_deleted_and_comes_back(own: Desk, tmp_path
     assert {*own.simulation.context.components} == {"robot.pose"}
 
 
+def test_the_script_is_shown_with_the_lines_of_each_object(own: Desk) -> None:
+    own.do("add_model", model="IMU", robot="robot")
+    shown = own.do("show_script")
+    lines = shown["text"].split("\n")
+    assert shown["file"] == "scene.py"
+    of = {name: [lines[number - 1] for number in numbers] for name, numbers in shown["lines"].items()}
+    assert of["robot"][0] == "robot = ATRV()"
+    assert of["robot.camera"] == ["camera = VideoCamera()  # eye", "camera.translate(0.2, 0, 1)"]
+    assert of["robot.imu"][0] == "imu = IMU()"
+    assert own.do("save_scene", write=True)["difference"]
+    assert own.do("show_script") == shown
+
+
 def test_components_of_a_loop_are_deleted_by_name(tmp_path: Path) -> None:
     script = tmp_path / "scene.py"
     script.write_text(LOOP)

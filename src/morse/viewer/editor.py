@@ -14,7 +14,7 @@ from morse.builder import workspace
 from morse.builder.assembly.spawning import call_text, component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.source import Source
-from morse.builder.editing.writing import variable_name
+from morse.builder.editing.writing import lines_of_script, variable_name
 from morse.builder.names.part import Strength
 from morse.builder.names.project_files import source_folders
 from morse.builder.script import describing
@@ -491,14 +491,36 @@ class Editor:
         quaternion = Euler(angles).to_quaternion()
         self._services.run("simulation", "set_object_pose", name, [*position], [*quaternion])
 
-    # -- saving ----------------------------------------------------------------------------
+    # -- the script ------------------------------------------------------------------------
 
-    def _save(self, *, write: bool) -> dict[str, str]:
+    def show_script(self, event: page.ShowScript) -> None:
+        """Send the script with the changes, and where it describes what."""
+        self._attempt(event.request, self._script)
+
+    def _script(self) -> dict[str, object]:
+        text = self._changed()
+        return {
+            "file": "" if self._file.path is None else self._file.path.name,
+            "text": text,
+            "lines": lines_of_script(text),
+        }
+
+    def _changed(self) -> str:
+        """The script with all changes.
+
+        Raises:
+            UnwritableError: a change cannot be written.
+        """
         additions = [
             replace(one, calls=tuple(_lines(self._calls.get(name, {})))) for name, one in self._additions.items()
         ]
         calls = {name: _lines(own) for name, own in self._calls.items() if name not in self._additions}
-        text = self._file.changed(Changes(additions, [*self._moves.values()], self._deletions, calls))
+        return self._file.changed(Changes(additions, [*self._moves.values()], self._deletions, calls))
+
+    # -- saving ----------------------------------------------------------------------------
+
+    def _save(self, *, write: bool) -> dict[str, str]:
+        text = self._changed()
         difference = self._file.difference(text)
         if write:
             content = self._file.save(text)

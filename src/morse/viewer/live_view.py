@@ -252,6 +252,7 @@ class View(Observer):
             page.UndoChange: self._editor.undo,
             page.RedoChange: self._editor.redo,
             page.SaveScene: self._editor.save,
+            page.ShowScript: self._editor.show_script,
             PageLeft: self._services.forget,
         }
 

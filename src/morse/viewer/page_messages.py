@@ -295,6 +295,12 @@ class Configure(ViewEvent, frozen=True):
     remove: bool = False
 
 
+class ShowScript(ViewEvent, frozen=True):
+    """Send the script as it would be saved; the answer has ``file``, ``text``, and the ``lines`` of each object."""
+
+    request: Request
+
+
 class SaveScene(ViewEvent, frozen=True):
     """Write the changes into the script of the scene, or only show the lines that would change; has an answer."""
 

@@ -14,11 +14,13 @@ import type { World } from "../world/world";
 import { AddPanel } from "./addpanel";
 import { Marker } from "./marker";
 import { confirmSave } from "./savedialog";
+import { ScriptPanel } from "./script";
 
 /** Adds and deletes robots, objects and components, undoes changes, and saves the scene. */
 export class Editor {
   readonly element: HTMLElement;
   readonly list: AddPanel;
+  readonly script: ScriptPanel;
   private readonly marker: Marker;
   private readonly addButton: HTMLButtonElement;
   private readonly undoButton: HTMLButtonElement;
@@ -43,6 +45,8 @@ export class Editor {
       put: (model, place) => void this.put(model, place),
       cancel: () => this.release(),
     });
+    this.script = new ScriptPanel(connection, components);
+    const scriptButton = iconButton(icons.code, "Script", () => this.showScript());
     this.addButton = h("button", { type: "button", class: "add", "aria-pressed": "false", onclick: () => this.toggle() });
     this.addButton.innerHTML = icons.plus;
     this.addButton.append("add");
@@ -51,7 +55,7 @@ export class Editor {
     this.element = h(
       "div",
       { class: "editor", hidden: true },
-      h("div", { class: "tools" }, this.addButton, this.undoButton, this.redoButton, this.saveButton),
+      h("div", { class: "tools" }, this.addButton, this.undoButton, this.redoButton, scriptButton, this.saveButton),
       this.seatHint,
     );
     // a recorded run has none
@@ -94,6 +98,11 @@ export class Editor {
       this.addButton.setAttribute("aria-pressed", "true");
       this.list.open();
     } else this.close();
+  }
+
+  private showScript(): void {
+    if (this.shell.bottom.hidden || this.script.element.hidden) this.shell.show("bottom");
+    void this.script.toggle();
   }
 
   private close(): void {

@@ -78,7 +78,7 @@ export class Panels {
     };
     const log: LogPanel = new LogPanel(connection, components, toasts, (level) => shell.flag("bottom", level), openLog);
     const saved = new SavedPanel(connection, ({ file, text }) => openLog(text || file));
-    shell.bottom.append(this.plots.element, log.element);
+    shell.bottom.append(this.editor.script.element, this.plots.element, log.element);
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();

@@ -40,6 +40,7 @@ export const icons = {
   reduce: draw('<path d="M16.5 8.5h-5v-5M11.5 8.5l5.5-5.5M3.5 11.5h5v5M8.5 11.5L3 17"/>'),
   plus: draw('<path d="M10 3.5v13M3.5 10h13"/>'),
   undo: draw('<path d="M4 8h8a4.2 4.2 0 0 1 0 8.4H7"/><path d="M7.5 4L3.5 8l4 4"/>'),
+  code: draw('<path d="M7 5.5L2.5 10 7 14.5M13 5.5l4.5 4.5-4.5 4.5"/>'),
   redo: draw('<path d="M16 8H8a4.2 4.2 0 0 0 0 8.4h5"/><path d="M12.5 4L16.5 8l-4 4"/>'),
   bin: draw('<path d="M3.5 5.5h13M8 5.5V3.5h4v2M5 5.5l.8 11h8.4l.8-11M8.4 8.5v5M11.6 8.5v5"/>'),
   chevron: draw('<path d="M7.5 5l5 5-5 5"/>'),

@@ -65,6 +65,29 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
     return source.text()
 
 
+def lines_of_script(text: str) -> dict[str, list[int]]:
+    """The lines of a script, from 1, that describe each object and each component, by its name in the scene.
+
+    Raises:
+        UnwritableError: the script is not valid, or creates no environment.
+    """
+    source = Source(text, "the script")
+    by_variable = variables(source)
+    by_name = in_scene(by_variable)
+    found = {name: variable.own() for name, variable in by_name.items() if variable.class_name}
+    for name, owner in by_name.items():
+        for statement in owner.calls_of("append", "add_sensors"):
+            for node in ast.walk(statement):
+                part = by_variable.get(node.id) if isinstance(node, ast.Name) else None
+                if part is not None and part is not owner and part.scene_name:
+                    found.pop(part.scene_name, None)
+                    found[f"{name}.{part.scene_name}"] = part.own()
+    return {
+        name: sorted({line for one in statements for line in range(one.lineno, (one.end_lineno or one.lineno) + 1)})
+        for name, statements in found.items()
+    }
+
+
 def variable_name(kind: str, names: Container[str]) -> str:
     """A free name for a new object: ``atrv`` for ``ATRV``, ``cup_blue`` for ``props/kitchen_objects#Cup_Blue``."""
     own = kind.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2]
