@@ -58,7 +58,8 @@ class JointStep:
         """Let a row be a member, if nothing else can happen in it."""
         simulation = self._simulations[row]
         moved = simulation.moved_joints()
-        if moved is None:
+        # the engine takes no worlds whose bodies sleep
+        if moved is None or not simulation.world.only_steps():
             return False
         engine = self._engine
         if engine is None:
