@@ -62,7 +62,7 @@ def test_a_command_passes_few_files_and_none_of_what_has_no_work(monkeypatch) ->
         assert _motion(simulation)["v"] == 1.0
         assert {"actuators/v_omega.py", "physics/world.py"} <= files
         assert len(files) <= _MOST, sorted(files)
-        idle = ("services/", "simulation/handles/", "middleware/socket/request_manager.py", "physics/rescue.py")
+        idle = ("services/", "simulation/handles/", "middleware/socket/request_manager.py", "physics/stability.py")
         assert not [file for file in files if file.startswith(idle)]
 
 

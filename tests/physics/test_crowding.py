@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from worlds import bits, box, ground, node, rigid, robot, run, world
 
-from morse.physics import forward as forward_module
+from morse.physics import engine_functions as forward_module
 from tests.kit.scenes import Load
 
 SCENE = """

@@ -10,7 +10,7 @@ from worlds import bits, box, ground, node, rigid, robot, run, sphere, world
 
 import morse
 from morse import builder
-from morse.physics.poses.rows import Rows
+from morse.physics.poses.kinematics import Rows
 from morse.scene import PhysicsType
 
 G = 9.81

@@ -11,7 +11,7 @@ from worlds import ground, node, run, scene
 
 import morse
 from morse.physics import World
-from morse.physics.gliding.plane_builder import PlaneBuilder
+from morse.physics.gliding.feet import PlaneBuilder
 
 #: radius of the wheels, and the compression of a contact under this load, m
 AT_REST = pytest.approx(RADIUS, abs=2e-3)

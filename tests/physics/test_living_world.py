@@ -10,7 +10,7 @@ import pytest
 from worlds import bits, box, ground, node, rigid, robot, run, scene, sphere, world
 
 from morse.physics import World
-from morse.physics.objects.removed_object import RemovedError
+from morse.physics.objects.object_world import RemovedError
 from morse.scene import ComponentDeclaration, Node
 
 pytestmark = pytest.mark.long

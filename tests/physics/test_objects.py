@@ -12,7 +12,7 @@ from worlds import box, ground, node, rigid, robot, run, sphere, world
 import morse
 from morse.core.mathutils import Euler, Quaternion, Vector
 from morse.mathutils import Matrix
-from morse.physics.poses.poses import relative_pose
+from morse.physics.poses.rigid import relative_pose
 from morse.physics.studio import Studio, StudioMissingError
 from morse.scene import Node
 from morse.scene.frames import rigid_frame

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from worlds import bits, box, ground, rigid, robot, run, scene, sphere, world
 
 from morse.physics import UnstableError, World
-from morse.physics.model.limits import RUNAWAY_SPEED
+from morse.physics.poses.convert import RUNAWAY_SPEED
 from morse.scene import ComponentDeclaration
 from tests.kit.effort import examples
 

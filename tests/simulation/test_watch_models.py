@@ -12,7 +12,7 @@ import pytest
 from watched import DATA, Project
 
 from morse.core.journal import EDIT
-from morse.physics.objects.removed_object import RemovedError
+from morse.physics.objects.object_world import RemovedError
 from morse.scene import PhysicsType
 from morse.simulation.simulation import Simulation
 from morse.simulation.watching.watch import Watch

@@ -290,8 +290,7 @@ def complete(simulation: Simulation) -> None:
         RecordingError: the recording cannot be written.
         OSError: the live view cannot be opened.
     """
-    from morse.physics.model.overlaps import below_the_floor, overlaps
-    from morse.physics.model.raised_robots import raised
+    from morse.physics.model.placement import below_the_floor, overlaps, raised
     from morse.simulation.reviews import Fallen, PublishedData
 
     with scene_warnings(refused=simulation.options.on_warning == "raise") as collected, about(simulation.scene.where):

@@ -18,8 +18,7 @@ from morse.kernel.batched import Courses, Lanes
 from morse.kernel.rays import Hits
 from morse.many.joint_step import JointStep
 from morse.physics.engine_rows import EngineRows
-from morse.physics.poses.pose_rows import Mountings, PoseRows
-from morse.physics.poses.snapshot import Snapshot
+from morse.physics.poses.snapshot import Mountings, PoseRows, Snapshot
 from morse.physics.rays.bundle import RayBundle, Scan, Sight
 
 if TYPE_CHECKING:
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 
     from morse.many.fields import CommandColumn, DataColumn
     from morse.many.joint_step import Command
-    from morse.physics.poses.pose_rows import Numbers
+    from morse.physics.poses.snapshot import Numbers
     from morse.simulation.simulation import Simulation
 
 

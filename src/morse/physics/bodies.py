@@ -10,13 +10,12 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul, norm
+from morse.physics.engine_functions import count_weightless, wake
 from morse.physics.gliding import glide_velocity
 from morse.physics.model.layout import Motion
-from morse.physics.model.limits import FORCE
 from morse.physics.poses import rigid
+from morse.physics.poses.convert import FORCE
 from morse.physics.poses.kinematics import settle_fixed
-from morse.physics.sleep import wake
-from morse.physics.weightless import count_weightless
 from morse.scene import ShapeKind
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.gliding.gliding import Gliding
-    from morse.physics.model.slot import Slot
+    from morse.physics.model.layout import Slot
     from morse.physics.state.engine_state import EngineState
     from morse.scene import CollisionShape, Node
 

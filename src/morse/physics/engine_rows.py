@@ -14,9 +14,9 @@ from mujoco.batch import Batch, SimulationError
 
 from morse.kernel import threads
 from morse.physics.model.layout import Motion
-from morse.physics.model.limits import RUNAWAY_DISTANCE, RUNAWAY_SPEED
-from morse.physics.model.lowest import lowest_shape
+from morse.physics.model.placement import lowest_shape
 from morse.physics.poses import kinematics
+from morse.physics.poses.convert import RUNAWAY_DISTANCE, RUNAWAY_SPEED
 from morse.physics.state.engine_values import STATE
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.physics.model.file_models import model_of
+from morse.physics.model.files import model_of
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:

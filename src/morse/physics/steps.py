@@ -22,9 +22,8 @@ from morse.physics.state import engine_values
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.physics.crowding import Crowding
     from morse.physics.gliding.gliding import Gliding
-    from morse.physics.rescue import Rescue
+    from morse.physics.stability import Crowding, Rescue
     from morse.physics.state.engine_state import EngineState
 
 _STATE = engine_values.STATE

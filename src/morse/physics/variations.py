@@ -13,9 +13,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.physics.model.slot import Slot
-    from morse.physics.objects.object_world import ObjectWorld
-    from morse.physics.objects.posed import Posed
+    from morse.physics.model.layout import Slot
+    from morse.physics.objects.object_world import ObjectWorld, Posed
 
 #: the arrays of the model that a variation changes
 ARRAYS = ("body_mass", "body_inertia", "body_subtreemass", "body_invweight0", "dof_invweight0", "geom_friction")

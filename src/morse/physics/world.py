@@ -10,30 +10,27 @@ import numpy as np
 
 from morse.kernel.loading import library
 from morse.physics.bodies import Bodies
-from morse.physics.contact_points import ContactPoints
-from morse.physics.crowding import Crowding
 from morse.physics.driving.drives import Drives
 from morse.physics.driving.fleet import Fleet, WheelFleet
 from morse.physics.driving.traction import Traction
-from morse.physics.forward import forward, without_contacts
-from morse.physics.gliding.floor_planes import FloorPlanes
+from morse.physics.engine_functions import forward, without_contacts
+from morse.physics.gliding.floors import FloorPlanes
 from morse.physics.gliding.gliding import Gliding
 from morse.physics.gliding.passage import FreeRun
 from morse.physics.model import motors
 from morse.physics.model.compile import compile_scene
 from morse.physics.model.layout import Motion
-from morse.physics.model.raised_robots import raise_sunken
-from morse.physics.objects.attachments import Attachments
+from morse.physics.model.placement import raise_sunken
+from morse.physics.objects.attachments import Attachments, Locks
 from morse.physics.objects.gameobject import GameObject
 from morse.physics.objects.linkage import Linkage
-from morse.physics.objects.locks import Locks
-from morse.physics.objects.object_list import ObjectList
+from morse.physics.objects.object_world import ObjectList
 from morse.physics.poses import kinematics
-from morse.physics.poses.moving_poses import MovingPoses
-from morse.physics.poses.snapshot import Snapshots
+from morse.physics.poses.snapshot import MovingPoses, Snapshots
 from morse.physics.ray_world import RayWorld
-from morse.physics.rescue import Recovery, Rescue
+from morse.physics.reactions import ContactPoints
 from morse.physics.separation import Separation
+from morse.physics.stability import Crowding, Recovery, Rescue
 from morse.physics.state import saved
 from morse.physics.state.engine_values import CHANGED_WHILE_RUNNING
 from morse.physics.state.saving import Saving
@@ -41,8 +38,7 @@ from morse.physics.state.scene_change import SceneChange
 from morse.physics.state.transfer import Transfer
 from morse.physics.steps import Steps
 from morse.physics.tick import Tick
-from morse.physics.touches import Touches
-from morse.physics.touching import Touching
+from morse.physics.touches import Touches, Touching
 from morse.physics.variations import Variations
 from morse.scene import Control
 
@@ -52,7 +48,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.model.compile import Compiled
-    from morse.physics.objects.posed import Posed
+    from morse.physics.objects.object_world import Posed
     from morse.scene import Bone, ComponentDeclaration, Node, Scene, Zone
 
 
@@ -350,7 +346,7 @@ class World(RayWorld):
 
     @property
     def most_contacts(self) -> int:
-        """Number of contacts beyond which bodies may be excluded; see `morse.physics.crowding`."""
+        """Number of contacts beyond which bodies may be excluded; see `morse.physics.stability`."""
         return self._steps.most_contacts
 
     def _is_idle(self) -> bool:
@@ -362,7 +358,7 @@ class World(RayWorld):
 
     @property
     def recoveries(self) -> Sequence[Recovery]:
-        """The last bodies that diverged and were reset, one entry per event; see `morse.physics.rescue`."""
+        """The last bodies that diverged and were reset, one entry per event; see `morse.physics.stability`."""
         return self._rescue.recoveries
 
     @property

@@ -11,8 +11,7 @@ from morse.core.exceptions import MorseError
 from morse.core.guard import Failure
 from morse.core.hidden_methods import uncover
 from morse.core.sensor import misfits
-from morse.physics.model.bottom import bottom_of
-from morse.physics.model.lowest import lowest_shape
+from morse.physics.model.placement import bottom_of, lowest_shape
 
 if TYPE_CHECKING:
     from morse.core.declarations import DataField

@@ -266,7 +266,7 @@ class Body(BodyNames, Protocol):
         """Set the pose of the object in the world, with all attached objects; its velocity is unchanged.
 
         Raises:
-            ValueError: a value is not finite or exceeds `morse.physics.model.limits.POSITION`.
+            ValueError: a value is not finite or exceeds `morse.physics.poses.convert.POSITION`.
         """
 
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.driving import arc, turn_by
-from morse.physics.driving.calibration import FLOOR, Slowdown
-from morse.physics.driving.command import Command, midway
+from morse.physics.driving.command import FLOOR, Command, Slowdown, midway, set_damping
 from morse.physics.driving.supports import supports
 from morse.physics.gliding import glide_velocity
-from morse.physics.model.damping import set_damping
 from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
 from morse.physics.poses.kinematics import contact_pairs
@@ -27,7 +25,7 @@ if TYPE_CHECKING:
     from morse.physics.bodies import Bodies
     from morse.physics.driving.fleet import Fleet
     from morse.physics.gliding.gliding import Gliding
-    from morse.physics.model.slot import Slot
+    from morse.physics.model.layout import Slot
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedDrives
     from morse.scene import Node

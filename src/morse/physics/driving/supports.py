@@ -19,10 +19,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from morse.mathutils.portable import matmul
-from morse.physics.model.inertia import bounding_box
 from morse.physics.model.layout import Motion, driven_wheels
-from morse.physics.model.wheel_shapes import wheel_axis, wheel_size
-from morse.physics.poses.poses import relative_pose
+from morse.physics.model.shapes import bounding_box, wheel_axis, wheel_size
+from morse.physics.poses.rigid import relative_pose
 from morse.scene import ShapeKind
 from morse.scene.frames import rigid_frame
 from morse.scene.joint_wheels import driven_wheels as wheels_on_joints

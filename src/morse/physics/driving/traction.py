@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.driving import ChassisArrays, chassis
-from morse.physics.driving.calibration import SKIDDING
+from morse.physics.driving.command import SKIDDING
 from morse.physics.poses.kinematics import contact_pairs
 
 if TYPE_CHECKING:

@@ -1,9 +1,12 @@
-"""Feet under driven robots.
+"""Feet under driven robots, and planes on the level tops of boxes: contacts that the engine computes by formulas.
 
 A hull that rests on a floor with its whole underside is slow to simulate and catches on the seams of floors. Four
 spheres at the rim of the underside carry the robot instead. They slide over seams, and the engine has a closed-form
 solution for the contact of a sphere and a box. The hull is trimmed by a few millimetres so that it does not touch the
 floor.
+
+The engine computes the contacts of a box with an ellipsoid or a cylinder in many iterations, but those with a plane by
+a formula, which is also more exact.
 """
 
 from __future__ import annotations
@@ -11,15 +14,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul
+from morse.physics.model.shapes import FIRST_PLANE, MOST_PLANES
 from morse.scene import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
+
+    from morse.core.world import Body
 
 #: share of the height that is trimmed off the hull, and at most that many metres
 _TRIM, _TRIM_LIMIT = 0.02, 0.01
@@ -114,3 +123,77 @@ def trimmed(
     new_centre = matmul(rotation.T, centre + np.array([0.0, 0.0, height / 2]) - position)
     x, y, z = new_centre.tolist()
     return CollisionShape(shape.kind, (*shape.size[:-1], half - height / 2), (x, y, z), shape.rotation)
+
+
+#: maximum slope of a level face, for rounding: less than a micrometre per kilometre
+_LEVEL = 1e-10
+
+
+def level_axis(rotation: NDArray[np.float64]) -> int | None:
+    """Return the axis of a box that is vertical: 0, 1 or 2; None if no face is level.
+
+    Args:
+        rotation: (3, 3) of the box in the world.
+    """
+    heights = [abs(height) for height in rotation[2].tolist()]
+    up = heights.index(max(heights))
+    del heights[up]
+    return up if max(heights) <= _LEVEL else None
+
+
+#: smallest half length of a side of a floor with a plane, m: robots on smaller floors are close to the edges
+_SMALLEST = 2.0
+
+
+class PlaneBuilder:
+    """Adds planes at the level tops of static boxes.
+
+    Attributes:
+        pairs: the geoms of boxes and of their planes.
+    """
+
+    def __init__(self) -> None:
+        self._tops: list[tuple[float, int, Any, Any, NDArray[np.float64], Callable[[Any], None]]] = []
+        self.pairs: list[tuple[Any, Any]] = []
+
+    def note(self, body: Body, geom: Any, rotation: NDArray[np.float64], set_surface: Callable[[object], None]) -> None:
+        """Record a shape of a static body.
+
+        Args:
+            rotation: (3, 3) of the body in the world.
+            set_surface: sets the same friction and restitution for the plane.
+        """
+        size = np.asarray(geom.size)
+        if sorted(size.tolist())[1] < _SMALLEST:  # no face is large enough
+            return
+        if geom.type != mujoco.mjtGeom.mjGEOM_BOX or not geom.contype:
+            return
+        own = np.empty(9)
+        mujoco.mju_quat2Mat(own, geom.quat)
+        world_rotation = matmul(rotation, own.reshape(3, 3))
+        up = level_axis(world_rotation)
+        if up is None:
+            return
+        sides = [i for i in range(3) if i != up]
+        if size[sides].min() < _SMALLEST:
+            return
+        axis = own.reshape(3, 3)[:, up] * np.sign(world_rotation[2, up])
+        top = np.asarray(geom.pos) + axis * size[up]
+        self._tops.append(
+            (-float(np.prod(size[sides])), len(self._tops), body, geom, np.array([top, axis]), set_surface)
+        )
+
+    def finish(self) -> None:
+        """Add planes for the largest floors."""
+        for _, _, body, geom, (top, axis), set_surface in sorted(self._tops, key=lambda entry: entry[:2])[:MOST_PLANES]:
+            quaternion = np.empty(4)
+            mujoco.mju_quatZ2Vec(quaternion, axis)
+            plane = body.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 1.0], pos=top, quat=quaternion, mass=0.0
+            )
+            set_surface(plane)
+            # the engine never tests shapes that are compiled without bits
+            plane.contype = plane.conaffinity = FIRST_PLANE << len(self.pairs)
+            # the viewer of MuJoCo shows the box
+            plane.rgba = [0.0, 0.0, 0.0, 0.0]
+            self.pairs.append((geom, plane))

@@ -18,11 +18,11 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul
+from morse.physics.engine_functions import WIDE_AWAKE
 from morse.physics.gliding.floors import Floor, find_floors
 from morse.physics.gliding.stances import FORESIGHT, Glide, Stances
-from morse.physics.model.collision_bits import ALL_BITS, OF_FILE
+from morse.physics.model.shapes import ALL_BITS, OF_FILE
 from morse.physics.poses.kinematics import contact_pairs
-from morse.physics.sleep import WIDE_AWAKE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.driving.command import Command
-    from morse.physics.model.slot import Slot
+    from morse.physics.model.layout import Slot
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedGliding
     from morse.scene import Node

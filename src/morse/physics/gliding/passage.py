@@ -17,9 +17,9 @@ import numpy as np
 
 from morse.kernel.driving import Course, Placed
 from morse.kernel.memory import address, addresses
+from morse.physics.engine_functions import WIDE_AWAKE
 from morse.physics.gliding.stances import FORESIGHT
 from morse.physics.poses.kinematics import sync
-from morse.physics.sleep import WIDE_AWAKE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from morse.kernel.driving import GliderWork
     from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding
-    from morse.physics.poses.rows import Rows
+    from morse.physics.poses.kinematics import Rows
     from morse.physics.state.engine_state import EngineState
 
 #: largest horizontal distance of the centre of mass from the origin, m, that has no effect

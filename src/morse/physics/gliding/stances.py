@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence
 
     from morse.physics.gliding.floors import Floor
-    from morse.physics.model.slot import Slot
+    from morse.physics.model.layout import Slot
     from morse.physics.state.saved import SavedStand
 
 #: number of ticks before a disturbed robot may glide again: initial and maximum

@@ -9,12 +9,11 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import det, eigh, matmul
-from morse.physics.model.inertia import mass_of, moved_inertia
+from morse.physics.model.couplings import stiff
 from morse.physics.model.layout import Motion
-from morse.physics.model.loads import Loads, root_of
-from morse.physics.model.motors import Motor
-from morse.physics.model.restitution import stiff
-from morse.physics.poses.poses import as_array, relative_pose
+from morse.physics.model.motors import Loads, Motor, root_of
+from morse.physics.model.shapes import mass_of, moved_inertia
+from morse.physics.poses.rigid import as_array, relative_pose
 from morse.scene import Articulation, JointDynamics, JointKind, controls_of
 from morse.scene.articulation import BonePose, start_frames, start_value
 from morse.scene.frames import rigid_frame

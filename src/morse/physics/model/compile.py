@@ -13,23 +13,22 @@ import numpy as np
 
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.portable import matmul
-from morse.physics.driving.calibration import friction_of
+from morse.physics.driving.command import friction_of, set_damping
 from morse.physics.driving.supports import round_wheels, supports
-from morse.physics.gliding.feet import Stance, stance, trimmed
-from morse.physics.gliding.plane_builder import PlaneBuilder
+from morse.physics.gliding.feet import PlaneBuilder, Stance, stance, trimmed
 from morse.physics.model.articulated import Articulated, is_single_link
-from morse.physics.model.couplings import CouplingBuilder
-from morse.physics.model.damping import set_damping
-from morse.physics.model.file_links import add_links
-from morse.physics.model.file_options import are_all_from_files, level, models_of, set_ground, set_options
-from morse.physics.model.files import Files
-from morse.physics.model.inertia import bounding_box, robot_inertia, volume
-from morse.physics.model.layout import Frame, Motion, frames_of
-from morse.physics.model.restitution import IMPEDANCE, solver_of
-from morse.physics.model.slot import Slot
-from morse.physics.model.unusable_hulls import replace_unusable_hulls
-from morse.physics.model.wheel_shapes import wheel_axis, wheel_size
-from morse.physics.poses.poses import as_array, relative_pose
+from morse.physics.model.couplings import IMPEDANCE, CouplingBuilder, add_links, solver_of
+from morse.physics.model.files import Files, are_all_from_files, level, models_of, set_ground, set_options
+from morse.physics.model.layout import Frame, Motion, Slot, frames_of
+from morse.physics.model.shapes import (
+    bounding_box,
+    replace_unusable_hulls,
+    robot_inertia,
+    volume,
+    wheel_axis,
+    wheel_size,
+)
+from morse.physics.poses.rigid import as_array, relative_pose
 from morse.scene import PhysicsType, ShapeKind
 from morse.scene.extent import corners
 from morse.scene.frames import RigidFrame, rigid_frame
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.world import Body
-    from morse.physics.model.file_motors import FileMotor
+    from morse.physics.model.files import FileMotor
     from morse.scene import CollisionShape, Node, Scene, Settings
 
 #: longest time step of the engine that neither a script nor a file asks for, s: with a step of 1/60 s, a robot pushing
@@ -86,8 +85,8 @@ class Compiled:
         geom_node: node of each geom.
         file_motors: actuators of MJCF files that are no motors of single joints.
         link_bodies: the body of each link of MJCF files.
-        planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floor_planes`.
-        physics_of_1_4: see `morse.physics.driving.calibration`.
+        planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floors`.
+        physics_of_1_4: see `morse.physics.driving.command`.
     """
 
     model: mujoco.MjModel

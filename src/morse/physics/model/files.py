@@ -1,31 +1,124 @@
-"""Robots and objects whose bodies the engine reads from their MJCF files.
+"""Robots and objects whose bodies, motors and options the engine reads from their MJCF files.
 
 The part of a file that belongs to a robot is attached to the model of the scene as it is, with contact parameters,
 tendons, constraints and actuators. Only what a scene has in another form is removed: sensors, cameras, key frames, and
 the motors of single joints, which can change their control modes.
+
+The time step of the engine is at most that of each file. In a scene whose robots all come from files, it may be as long
+as there, the options of the first file apply, and the objects of the scene have the contact parameters of its floor.
+Beside robots of other kinds, whose drives are tuned for the options of MORSE, those of files do not apply.
 """
 
 from __future__ import annotations
 
+import math
 import warnings
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 
-from morse.physics.model.collision_bits import ALL_BITS, OF_FILE, file_bits
-from morse.physics.model.file_models import Part, model_of
-from morse.physics.model.file_motors import SUFFIX, FileMotor, motors_of
 from morse.physics.model.layout import Motion
+from morse.physics.model.shapes import ALL_BITS, OF_FILE, file_bits
+from morse.scene import is_dynamic
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Sequence
 
     from morse.core.values import Options
-    from morse.physics.model.layout import Frame
-    from morse.physics.model.slot import Slot
+    from morse.physics.model.layout import Frame, Slot
     from morse.scene import Node
     from morse.scene.mjcf import MjcfModel
+
+
+@dataclass(eq=False, slots=True)
+class Part:
+    """What a root of the scene has of a file.
+
+    Attributes:
+        root: the frame of the robot or object.
+        prefix: of the names in the engine.
+        bodies, geoms: all of them, as elements of the model.
+        option: options of the file.
+    """
+
+    root: Frame
+    model: MjcfModel
+    prefix: str
+    option: Options
+    bodies: list[mujoco.MjsBody] = field(default_factory=list)
+    geoms: list[mujoco.MjsGeom] = field(default_factory=list)
+
+
+def model_of(frame: Frame) -> MjcfModel | None:
+    """Return the model of a frame whose bodies the engine reads from a file."""
+    node, pose = frame.node, frame.motion
+    settings = node.articulation
+    if frame.parent is not None or settings is None or settings.model is None or pose is Motion.FIXED:
+        return None
+    if not settings.model.links or any(abs(value - 1.0) > 1e-9 for value in _scales(node)):
+        return None
+    armatures = [member for member in frame.members if member.bones]
+    return settings.model if all(is_dynamic(armature) for armature in armatures) else None
+
+
+def _scales(node: Node) -> Iterator[float]:
+    one: Node | None = node
+    while one is not None:
+        yield from one.scale
+        one = one.parent
+
+
+@dataclass(eq=False, slots=True)
+class FileMotor:
+    """An actuator in the arrays of the engine.
+
+    Attributes:
+        armature: name of the node.
+        name: name of the actuator; with the suffix ``_tendon`` or ``_motor`` if a joint has it.
+        commands: smallest and largest command.
+        start: initial command.
+        actuator: id.
+    """
+
+    armature: str
+    name: str
+    commands: tuple[float, float]
+    start: float
+    actuator: int
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """What identifies the motor in the world."""
+        return self.armature, self.name
+
+
+def motors_of(model: mujoco.MjModel, armature: str) -> Iterator[FileMotor]:
+    """Yield the actuators of an armature; those with position control at first hold their length."""
+    prefix = f"{armature}/"
+    joints = {model.joint(index).name for index in range(model.njnt)}
+    for index in range(model.nu):
+        full = model.actuator(index).name
+        if not full.startswith(prefix) or full in joints:
+            continue
+        tendon = int(model.actuator_trntype[index]) == int(mujoco.mjtTrn.mjTRN_TENDON)
+        name = full.removeprefix(prefix)
+        name = name.removesuffix(SUFFIX)
+        if full.removesuffix(SUFFIX) in joints:
+            name += "_tendon" if tendon else "_motor"
+        low, high = model.actuator_ctrlrange[index] if model.actuator_ctrllimited[index] else (-math.inf, math.inf)
+        start, gain = 0.0, float(model.actuator_gainprm[index][0])
+        if int(model.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_AFFINE) and gain:
+            constant, stiffness = model.actuator_biasprm[index][:2]
+            if stiffness:
+                start = -(constant + stiffness * float(model.actuator_length0[index])) / gain
+        yield FileMotor(armature, name, (float(low), float(high)), min(max(start, float(low)), float(high)), index)
+
+
+#: of the names of actuators in the engine, in which the motor of a joint has the name of the joint
+SUFFIX = " actuator"
+
 
 #: smallest weight of contact parameters that counts
 _LEAST = 1e-15
@@ -308,3 +401,62 @@ def copy_of(option: object) -> Options:
     names = (name for name in dir(option) if not name.startswith("_"))
     values = {name: getattr(option, name) for name in names}
     return {name: np.array(v) if isinstance(v, np.ndarray) else v for name, v in values.items() if not callable(v)}
+
+
+#: options that the scene determines
+_OF_SCENE = ("timestep", "gravity", "jacobian", "enableflags")
+#: largest number of iterations of a solver
+_MOST_ITERATIONS = 1000
+_USUAL_GRAVITY = 9.81
+#: depth of floors that stand for height 0, and their smallest half length, m
+_NEARLY_LEVEL, _WIDE = 1e-4, 5.0
+_FIELDS = (("friction", 3), ("solref", 2), ("solimp", 5), ("solmix", 1), ("margin", 1), ("gap", 1), ("condim", 1),
+           ("priority", 1))  # fmt: skip
+
+
+def models_of(frames: Sequence[Frame]) -> list[MjcfModel]:
+    """Return the models of all robots and objects of a scene that the engine reads from files."""
+    return [model for frame in frames if (model := model_of(frame)) is not None]
+
+
+def are_all_from_files(frames: Sequence[Frame]) -> bool:
+    """Whether a scene has robots, and all of them come from MJCF files."""
+    robots = [frame for frame in frames if frame.robot is not None and frame.has_body]
+    return bool(robots) and all(model_of(frame) is not None for frame in robots)
+
+
+def set_ground(spec: mujoco.MjSpec, ground: Sequence[float]) -> None:
+    """Set the contact parameters of the objects of a scene; see `MjcfModel.ground`."""
+    geom, place = spec.default.geom, 0
+    for name, count in _FIELDS:
+        values = ground[place : place + count]
+        place += count
+        value = values[0] if count == 1 else list(values)
+        setattr(geom, name, int(values[0]) if name in ("condim", "priority") else value)
+
+
+def set_options(spec: mujoco.MjSpec, part: Part) -> None:
+    """Set the options of a file."""
+    option = spec.option
+    for name, value in part.option.items():
+        if name not in _OF_SCENE:
+            setattr(option, name, min(value, _MOST_ITERATIONS) if "iterations" in name else value)
+    # what sleeps does not creep: in such a scene, bodies sleep only if the file says so
+    option.enableflags = int(part.option["enableflags"])
+    if option.gravity[2] == -_USUAL_GRAVITY:
+        option.gravity = part.option["gravity"]
+    if option.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        option.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+
+
+def level(geom: mujoco.MjsGeom, height: float = 0.0) -> None:
+    """Replace a wide floor at a height, or a little below it as in the worlds of MORSE 1.4, by a plane at that height.
+
+    Robots of files are compared with those in other programs, whose floors are planes there.
+    """
+    is_level = geom.type == mujoco.mjtGeom.mjGEOM_BOX and abs(geom.quat[0]) > 1.0 - 1e-12
+    top = geom.pos[2] + geom.size[2] - height
+    if is_level and -_NEARLY_LEVEL <= top <= 1e-9 and (height or min(geom.size[:2]) >= _WIDE):
+        geom.type = mujoco.mjtGeom.mjGEOM_PLANE
+        geom.pos = [geom.pos[0], geom.pos[1], height]
+        geom.size = [geom.size[0], geom.size[1], 1.0]

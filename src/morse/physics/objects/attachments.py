@@ -1,21 +1,27 @@
-"""Objects that are attached to another object or whose physics is suspended."""
+"""Objects that are attached to another object, whose physics is suspended, or whose motion is locked for some axes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
 from morse.physics.poses.kinematics import sync
+from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.values import StateData
     from morse.physics.bodies import Bodies
-    from morse.physics.objects.posed import Posed
+    from morse.physics.model.layout import Frame
+    from morse.physics.objects.object_world import Posed
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedAttachments
     from morse.physics.tick import Tick
+
 
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
 _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -155,3 +161,66 @@ def _kept(
     position: Sequence[float], rotation: Sequence[float]
 ) -> tuple[Sequence[float], Sequence[float], Sequence[float]]:
     return position, rotation, rigid.quaternion(rotation)
+
+
+class Locks:
+    """Keeps the locked coordinates of free bodies constant during every tick.
+
+    Velocities along locked axes are set to 0 before the steps of the engine, and motion along these axes is undone
+    afterwards. A body can still be moved by explicit calls. Rotations are locked for all axes together, because the
+    axes of a body rotate with it.
+
+    Ground robots of the type ``DYNAMIC`` do not roll or pitch, as in 1.4: the engine does not rotate bodies of this
+    type, and commands only turn ground robots about their vertical axis.
+    """
+
+    def __init__(self, state: EngineState) -> None:
+        self._state = state
+        positions: list[int] = []
+        velocities: list[int] = []
+        level: list[int] = []
+        for slot in state.slots:
+            if slot.frame.motion is not Motion.FREE or slot.qpos < 0:
+                continue
+            body = slot.frame.node.body
+            for axis in range(3):
+                if body.lock_location[axis]:
+                    positions.append(slot.qpos + axis)
+                    velocities.append(slot.dof + axis)
+            if any(body.lock_rotation):
+                positions += range(slot.qpos + 3, slot.qpos + 7)
+                velocities += range(slot.dof + 3, slot.dof + 6)
+            elif _stays_level(slot.frame):
+                level += range(slot.dof + 3, slot.dof + 5)
+        self._positions = np.array(positions, dtype=np.intp)
+        self._velocities = np.array(velocities, dtype=np.intp)
+        self._level = np.array(level, dtype=np.intp)
+        self._held = np.zeros(len(positions))
+
+    @property
+    def has_work(self) -> bool:
+        """Whether a coordinate is locked."""
+        return bool(len(self._positions) or len(self._level))
+
+    def before_step(self) -> None:
+        """Called at the beginning of a tick, after the commanded velocities are set."""
+        if len(self._level):
+            self._state.data.qvel[self._level] = 0.0
+        if len(self._positions):
+            self._state.data.qvel[self._velocities] = 0.0
+            self._held = self._state.data.qpos[self._positions]
+
+    def after_step(self) -> None:
+        """Called at the end of a tick."""
+        if len(self._level):
+            self._state.data.qvel[self._level] = 0.0
+        if len(self._positions):
+            self._state.data.qpos[self._positions] = self._held
+            self._state.data.qvel[self._velocities] = 0.0
+
+
+def _stays_level(frame: Frame) -> bool:
+    node = frame.node
+    return (
+        frame.robot is not None and node.body.type is PhysicsType.DYNAMIC and bool(node.properties.get("GroundRobot"))
+    )

@@ -8,25 +8,30 @@ from typing import TYPE_CHECKING, cast
 from morse.mathutils import Matrix, Vector
 from morse.physics.driving.command import Command
 from morse.physics.model.layout import Motion
-from morse.physics.model.limits import ANGULAR_VELOCITY, FORCE, POINT, POSITION, TORQUE, VELOCITY
 from morse.physics.objects.joint_handle import JointHandle
 from morse.physics.objects.legacy_names import LegacyNames
-from morse.physics.objects.looks import Looks
-from morse.physics.objects.mounting import Mounting
-from morse.physics.objects.object_list import ObjectList
-from morse.physics.objects.properties import are_changed, plain_properties, scene_properties
-from morse.physics.objects.removed_object import Gone
+from morse.physics.objects.object_world import ObjectList, RemovedWorld
+from morse.physics.objects.properties import Looks, are_changed, plain_properties, scene_properties
 from morse.physics.objects.wheel import Wheel
 from morse.physics.poses import rigid
-from morse.physics.poses.convert import demand_rotation, floats3
+from morse.physics.poses.convert import (
+    ANGULAR_VELOCITY,
+    FORCE,
+    POINT,
+    POSITION,
+    TORQUE,
+    VELOCITY,
+    demand_rotation,
+    floats3,
+)
+from morse.physics.poses.rigid import Mounting
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from morse.core.values import Properties, StateData, Value
-    from morse.physics.objects.object_world import ObjectWorld
-    from morse.physics.objects.posed import Posed
+    from morse.physics.objects.object_world import ObjectWorld, Posed
     from morse.physics.state.saved import SavedObject
     from morse.scene import Node
     from morse.scene.frames import RigidFrame
@@ -90,12 +95,12 @@ class GameObject(LegacyNames):
     def remove(self) -> None:
         """Mark the object as removed from the world: further use of it raises an error."""
         self._looks.restore()
-        self._world = cast("ObjectWorld", Gone(self.name))
+        self._world = cast("ObjectWorld", RemovedWorld(self.name))
 
     @property
     def invalid(self) -> bool:
         """Whether it has been removed from the world."""
-        return isinstance(self._world, Gone)
+        return isinstance(self._world, RemovedWorld)
 
     def _take_poses_of_scene(self) -> None:
         """Compute the pose in the frame of the parent, and the pose in the rigid group (None for its first node)."""
@@ -265,7 +270,7 @@ class GameObject(LegacyNames):
         """Set the pose of the object in the world, with all attached objects; its velocity is unchanged.
 
         Raises:
-            ValueError: a value is not finite or exceeds `morse.physics.model.limits.POSITION`.
+            ValueError: a value is not finite or exceeds `morse.physics.poses.convert.POSITION`.
         """
         world = self._world
         position = floats3(position, POSITION)

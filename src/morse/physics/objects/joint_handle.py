@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.model.articulated import JointSlot
-    from morse.physics.model.file_motors import FileMotor
+    from morse.physics.model.files import FileMotor
     from morse.physics.state.engine_state import EngineState
     from morse.scene import Node
 

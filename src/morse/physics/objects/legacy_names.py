@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.mathutils import Matrix, Vector
-from morse.physics.model.limits import ANGULAR_VELOCITY, MOVEMENT, POSITION, ROTATION, VELOCITY
 from morse.physics.poses import rigid
-from morse.physics.poses.convert import floats3, rotation_of
+from morse.physics.poses.convert import ANGULAR_VELOCITY, MOVEMENT, POSITION, ROTATION, VELOCITY, floats3, rotation_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.physics.model.limits import ANGULAR_VELOCITY
-from morse.physics.model.wheel_shapes import wheel_axis, wheel_size
+from morse.physics.model.shapes import wheel_axis, wheel_size
 from morse.physics.poses import rigid
+from morse.physics.poses.convert import ANGULAR_VELOCITY
 
 if TYPE_CHECKING:
     import mujoco
 
     from morse.core.world import Body
-    from morse.physics.model.slot import Slot
-    from morse.physics.objects.posed import Posed
+    from morse.physics.model.layout import Slot
+    from morse.physics.objects.object_world import Posed
     from morse.physics.state.engine_state import EngineState
 
 

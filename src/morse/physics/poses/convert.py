@@ -1,17 +1,51 @@
-"""Converts vectors and rotations from the forms that scripts use."""
+"""Converts values of scripts, and limits them to what the engine accepts.
+
+The limits are wide enough for ships, rockets and satellites. Larger values are mistakes. They are refused on input,
+because their products and squares overflow in the engine.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.mathutils import Euler, Matrix, Quaternion
-from morse.physics.model.limits import MATRIX_ENTRY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from morse.physics.model.limits import Quantity
+
+class Quantity(NamedTuple):
+    """The kind of a vector, and the limit of its components.
+
+    Attributes:
+        name: name in messages.
+        limit: the largest absolute value of a component.
+        unit: unit of the components.
+    """
+
+    name: str
+    limit: float
+    unit: str
+
+
+#: m; the centre of the earth is 6.4e6 m away
+POSITION = Quantity("position", 1e7, "m")
+MOVEMENT = Quantity("movement", 1e7, "m")
+ROTATION = Quantity("rotation", 1e6, "rad")
+VELOCITY = Quantity("velocity", 1e5, "m/s")
+ANGULAR_VELOCITY = Quantity("angular velocity", 1e5, "rad/s")
+FORCE = Quantity("force", 1e9, "N")
+TORQUE = Quantity("torque", 1e9, "N m")
+#: targets of rays, limited by single precision
+POINT = Quantity("point", 1e30, "m")
+
+#: limit of the entries of a rotation matrix, which are at most 1 without scale and shear
+MATRIX_ENTRY = 10.0
+
+#: speed (m/s, rad/s) and distance (m) above which a body has diverged, because no input can be that large
+RUNAWAY_SPEED, RUNAWAY_DISTANCE = 1e6, 1e9
+
 
 #: maximum length of a quoted value in messages, characters
 _LONGEST = 200

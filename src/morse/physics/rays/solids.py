@@ -10,10 +10,10 @@ import numpy as np
 from morse.kernel import rays as kinds
 from morse.kernel.rays import TriangleMesh
 from morse.mathutils.portable import matmul
-from morse.physics.model.inertia import half_sizes
 from morse.physics.model.layout import Motion
+from morse.physics.model.shapes import half_sizes
 from morse.physics.poses import rigid
-from morse.physics.poses.poses import as_array
+from morse.physics.poses.rigid import as_array
 from morse.scene import Bounds, CollisionShape, Material, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
 

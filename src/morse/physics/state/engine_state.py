@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Protocol
 import mujoco
 import numpy as np
 
+from morse.physics.engine_functions import Sleep
 from morse.physics.model.layout import Motion
-from morse.physics.poses.rows import Rows
-from morse.physics.sleep import Sleep
+from morse.physics.poses.kinematics import Rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from morse.physics.model.articulated import JointSlot
     from morse.physics.model.compile import Compiled
-    from morse.physics.model.file_motors import FileMotor
-    from morse.physics.model.slot import Slot
+    from morse.physics.model.files import FileMotor
+    from morse.physics.model.layout import Slot
     from morse.scene import Node
 
 #: m/s; beyond the second one, bodies have diverged
@@ -112,7 +112,7 @@ class EngineState:
         geom_node: node of each geom.
         link_bodies: the body of each link of MJCF files, in the engine.
         planes: the geoms of boxes to those of the planes at their tops.
-        physics_of_1_4: whether driven robots lose speed as in MORSE 1.4 (`morse.physics.driving.calibration`).
+        physics_of_1_4: whether driven robots lose speed as in MORSE 1.4 (`morse.physics.driving.command`).
         steps: physics steps per tick.
         period: seconds per tick.
         moving: number of slots that the engine moves.

@@ -8,11 +8,9 @@ import mujoco
 import numpy as np
 
 from morse.physics import variations
-from morse.physics.forward import forward
+from morse.physics.engine_functions import check_asleep, count_weightless, forward
 from morse.physics.model.motors import ARRAYS
 from morse.physics.poses.kinematics import contact_pairs
-from morse.physics.sleep import check_asleep
-from morse.physics.weightless import count_weightless
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

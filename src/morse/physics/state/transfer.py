@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.physics.engine_functions import WIDE_AWAKE, boxes_of, trees_near
 from morse.physics.model import motors
 from morse.physics.model.layout import Motion
-from morse.physics.nearby import boxes_of, trees_near
-from morse.physics.sleep import WIDE_AWAKE
 from morse.physics.state import engine_values, saved
 
 if TYPE_CHECKING:
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.model.slot import Slot
+    from morse.physics.model.layout import Slot
     from morse.physics.state.engine_state import EngineState
 
 _OF_BODIES = ("body_pos", "body_quat")

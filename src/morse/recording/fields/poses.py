@@ -12,7 +12,7 @@ import numpy as np
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotation_rows import quaternions_from_rotations
 from morse.mathutils.rotations import product, turn_back
-from morse.physics.poses.pose_rows import PoseRows
+from morse.physics.poses.snapshot import PoseRows
 from morse.recording.fields.columns import Batch
 from morse.rosmsgs.cdr import encode, encode_rows
 from morse.rosmsgs.names import MAP
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.values import Fields, RosMessage
     from morse.core.world import Body
-    from morse.physics.poses.pose_rows import Numbers
+    from morse.physics.poses.snapshot import Numbers
     from morse.recording.streams import TopicFile
     from morse.rosmsgs.moving import MovingFrame
     from morse.rosmsgs.topics.backend import Backend

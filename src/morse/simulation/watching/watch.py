@@ -19,7 +19,7 @@ from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
 from morse.core.observer import SHOWN, Observer
 from morse.core.reports.faults import ENDINGS, describe
-from morse.physics.model.bottom import bottom_of
+from morse.physics.model.placement import bottom_of
 from morse.simulation.watching.classes import exchange
 from morse.simulation.watching.edits import SavedFiles
 from morse.system.regular_files import read_regular

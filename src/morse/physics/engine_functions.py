@@ -1,4 +1,4 @@
-"""Sets which trees of bodies sleep, because the engine has no function for that."""
+"""Functions that the engine lacks: sleep, gravity compensation, dynamics with many contacts, bodies near shapes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import mujoco
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
 
     from morse.physics.state.engine_state import EngineState
+
 
 #: value of an awake tree, from which the engine counts up to -1, "ready to sleep"
 WIDE_AWAKE = -(1 + mujoco.mjMINAWAKE)
@@ -86,3 +89,71 @@ def wake(state: EngineState, body: int) -> None:
         waking[tree] = WIDE_AWAKE
         tree = following
     state.sleep.set(waking)
+
+
+def count_weightless(state: EngineState) -> None:
+    """Count the weightless bodies, which the engine does at compile time only.
+
+    The function of the engine for that modifies positions; it computes the collision masks of bodies from the present
+    masks of their shapes, and the bounding boxes from their present poses. A robot that is gliding at that time would
+    later fall through the floor, and a wall that moves later would be missed.
+    """
+    model, data = state.model, state.data
+    changed = data.qpos, model.body_contype, model.body_conaffinity, model.bvh_aabb
+    originals = [values.copy() for values in changed]
+    mujoco.mj_setConst(model, data)
+    for values, original in zip(changed, originals, strict=True):
+        values[:] = original
+
+
+def without_contacts(state: EngineState) -> None:
+    """Compute the forward kinematics and dynamics without contacts."""
+    flags = state.model.opt.disableflags
+    state.model.opt.disableflags = flags | int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    try:
+        mujoco.mj_forward(state.model, state.data)
+    finally:
+        state.model.opt.disableflags = flags
+
+
+def forward(state: EngineState, again: Callable[[], object]) -> None:
+    """Compute the forward dynamics; without contacts if they exhaust the memory of the engine.
+
+    Args:
+        again: sets the state again, because the engine stops within its computations when memory runs out.
+    """
+    try:
+        mujoco.mj_forward(state.model, state.data)
+    except mujoco.FatalError:
+        mujoco.mj_resetData(state.model, state.data)
+        again()
+        without_contacts(state)
+
+
+#: distance below which shapes may touch, m
+_NEAR = 0.02
+
+
+def boxes_of(state: EngineState, geoms: Sequence[int] | NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return (N, 2, 3) lower and upper corners of the axis-aligned bounding boxes of some geoms, m."""
+    numbers = np.asarray(geoms, dtype=np.intp)
+    local = state.model.geom_aabb[numbers].reshape(-1, 2, 3)
+    turns = state.data.geom_xmat[numbers].reshape(-1, 3, 3)
+    centres = state.data.geom_xpos[numbers] + np.einsum("nij,nj->ni", turns, local[:, 0])
+    halves = np.einsum("nij,nj->ni", np.abs(turns), local[:, 1])
+    return np.stack([centres - halves, centres + halves], axis=1)
+
+
+def trees_near(state: EngineState, boxes: NDArray[np.float64]) -> set[int]:
+    """Return the trees of bodies that could touch one of some boxes (N, 2, 3)."""
+    model = state.model
+    trees = model.body_treeid[model.geom_bodyid]
+    geoms = np.flatnonzero(trees >= 0)
+    if not len(geoms) or not len(boxes):
+        return set()
+    own = boxes_of(state, geoms)
+    meets = np.ones((len(geoms), len(boxes)), dtype=bool)
+    for axis in range(3):
+        meets &= own[:, None, 0, axis] <= boxes[None, :, 1, axis] + _NEAR
+        meets &= own[:, None, 1, axis] >= boxes[None, :, 0, axis] - _NEAR
+    return set(trees[geoms[meets.any(axis=1)]].tolist())
