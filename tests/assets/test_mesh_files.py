@@ -19,7 +19,7 @@ from PIL import Image
 import morse
 from morse.assets import load
 from morse.assets.errors import AssetError
-from morse.assets.targa import HEADER_SIZE, TargaError, is_targa, png_of
+from morse.assets.pictures import HEADER_SIZE, TargaError, is_targa, png_of
 from morse.builder import Environment, FakeRobot, PassiveObject
 from tests.kit.effort import examples
 

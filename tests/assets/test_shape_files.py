@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.assets import collision, shape_files
+from morse.assets import collision, shape_cache
 from morse.assets.cache import Cache
-from morse.assets.shape_cache import ShapeCache
+from morse.assets.shape_cache import ShapeCache, load_shapes, store_shapes
 from morse.assets.solids import cube
 from morse.scene import BodySettings, CollisionShape, Mesh, Node, NodeKind, PhysicsType, Scene, ShapeKind
 from tests.kit.programs import python
@@ -87,7 +87,7 @@ def test_a_damaged_result_is_computed_again(monkeypatch, computed, folder, damag
 
 def test_results_of_another_version_are_not_used(monkeypatch, computed):
     shapes(monkeypatch)
-    monkeypatch.setattr(shape_files, "_program", lambda: b"another version")
+    monkeypatch.setattr(shape_cache, "_program", lambda: b"another version")
     shapes(monkeypatch)
     assert len(computed) == 2
 
@@ -138,8 +138,8 @@ _SHAPES = st.builds(
 @given(st.lists(_SHAPES, max_size=4), st.lists(st.text(), max_size=2))
 def test_any_shapes_are_read_as_they_were_written(found, warnings):
     key = b"content", (1.0, 0.0), None
-    shape_files.put(key, (tuple(found), tuple(warnings)))
-    again = shape_files.get(key)
+    store_shapes(key, (tuple(found), tuple(warnings)))
+    again = load_shapes(key)
     assert again is not None
     assert bits(found) == bits(again[0])
     assert again[1] == tuple(warnings)

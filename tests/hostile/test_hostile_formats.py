@@ -12,8 +12,8 @@ import pytest
 from hostile_pictures import png
 from PIL import Image as Pillow
 
-from morse.assets.meshfiles.pictures import usable_picture
 from morse.assets.meshfiles.reader import read_meshes
+from morse.assets.pictures import usable_picture
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.rendering.textures import TextureStore
 from morse.scene import Image

@@ -11,7 +11,7 @@ import pytest
 
 from morse.assets import load
 from morse.assets.errors import AssetError
-from morse.assets.urdf.xacro_limits import evaluate
+from morse.assets.urdf.xacro_program import evaluate
 
 pytest.importorskip("xacro")
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="base"/>'
@@ -114,7 +114,7 @@ REFUSED = (
 #: a process of its own, since xacro is limited for good
 PROGRAM = """import json, sys, xacro
 from pathlib import Path
-from morse.assets.urdf.xacro_limits import evaluate, limit
+from morse.assets.urdf.xacro_program import evaluate, limit
 limit(Path('x'), [], {})
 for text in json.load(sys.stdin):
     try:

@@ -11,7 +11,7 @@ from messages import published
 from morse.core.declarations.fields import DataField
 from morse.core.realism import Noise, generator_state, measured, set_generator_state
 from morse.mathutils import Quaternion
-from morse.scene.realism import NoiseModel
+from morse.scene.component import NoiseModel
 
 PARTS = """
 import math

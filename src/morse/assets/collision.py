@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets import shape_files
-from morse.assets.shape_cache import ShapeCache, content
+from morse.assets.shape_cache import ShapeCache, content, load_shapes, store_shapes
 from morse.assets.shapes import (
     DEFAULT_LIMIT,
     ConvexPart,
@@ -206,13 +205,13 @@ def _shapes_of_mesh(
     shapes_and_warnings = _EARLIER.get(key)
     if shapes_and_warnings is None:
         simple = bounds in _FITTED
-        shapes_and_warnings = None if simple else shape_files.get(key)
+        shapes_and_warnings = None if simple else load_shapes(key)
         if shapes_and_warnings is None:
             triangles = mesh.triangles[:, ::-1] if is_inverted else mesh.triangles
             parts, warnings = _parts(mesh.vertices, triangles, np.reshape(stretch, (3, 3)), bounds, limit)
             shapes_and_warnings = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
             if not simple:
-                shape_files.put(key, shapes_and_warnings)
+                store_shapes(key, shapes_and_warnings)
         _EARLIER.put(key, shapes_and_warnings)
     return shapes_and_warnings
 

@@ -10,6 +10,7 @@ A package brings a reader by an entry point, whose name is the suffix of the fil
 from __future__ import annotations
 
 import logging
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
     from morse.scene import Library
 
 logger = logging.getLogger(__name__)
+
+
+#: arguments of the model file that is being read
+ARGUMENTS: ContextVar[dict[str, str]] = ContextVar("arguments")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.arguments import ARGUMENTS
-from morse.assets.formats import reader_of
+from morse.assets.formats import ARGUMENTS, reader_of
 from morse.assets.triangle_limit import check_triangles
 from morse.scene.scene_warnings import is_first
 from morse.system.regular_files import budget_of_file, open_regular

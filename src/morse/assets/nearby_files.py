@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets import search
 from morse.system import variables
-from morse.system.regular_files import BudgetError, once_for_file, open_regular, take_search
-from morse.system.shared_folders import folders_above
+from morse.system.regular_files import BudgetError, folders_above, once_for_file, open_regular, take_search
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from morse.assets.errors import AssetError
-from morse.assets.poses import attach_in_place, set_free
 from morse.scene import NodeKind, PhysicsType
+from morse.scene.frames import attach_in_place, set_free
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from morse.assets.formats import is_model, model_format, suffixes
 from morse.core.classes.plugins import PluginError, attempt, entry_points
 from morse.system import OF_MACHINE, variables
-from morse.system.shared_folders import expanded
+from morse.system.regular_files import expanded
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -127,7 +127,7 @@ def find(name: str, category: str = "") -> Path:
             return candidate.absolute()
     for folder in _folders(name):
         if os.path.isdir(folder):
-            from morse.assets.model_folders import model_file
+            from morse.assets.gazebo.values import model_file
 
             file = model_file(folder)
             if file is not None:

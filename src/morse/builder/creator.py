@@ -16,7 +16,7 @@ from morse.core import declarations
 from morse.core.classes.builder_defaults import BuilderDefaults, builder_defaults
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 from morse.scene import Material, Node, NodeKind
-from morse.scene.realism import NoiseModel, RealismModel, is_numeric
+from morse.scene.component import NoiseModel, RealismModel, is_numeric
 
 if TYPE_CHECKING:
     from morse.core.classes.builder_defaults import Visual

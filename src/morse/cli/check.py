@@ -33,7 +33,7 @@ from morse.middleware import registry
 from morse.middleware.ros2.domain import available
 from morse.system import extras
 from morse.system.extras import REINSTALL, install
-from morse.system.shared_folders import expanded
+from morse.system.regular_files import expanded
 from morse.version import __version__
 
 if TYPE_CHECKING:
@@ -342,7 +342,7 @@ def _model(name: str) -> Path | None:
     """The model file of that name, or in a folder of that name; None for a script or an environment."""
     path = expanded(name)
     if path.is_dir():
-        from morse.assets.model_folders import CONFIG, model_file
+        from morse.assets.gazebo.values import CONFIG, model_file
 
         return model_file(path) if (path / CONFIG).is_file() else None
     if path.suffix.lower() not in suffixes():

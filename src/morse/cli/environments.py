@@ -20,8 +20,7 @@ from morse.cli.messages import CommandError, check_other, existing_file, nearest
 from morse.cli.sites import Sites
 from morse.core.reports.printing import echo
 from morse.core.validation.names import DEVICES
-from morse.system.regular_files import check_default_name
-from morse.system.shared_folders import home
+from morse.system.regular_files import check_default_name, home
 from morse.system.source_text import inside_quotes
 
 _PLACEHOLDER = re.compile(r"@(env|name|classname|shortdesc)@")

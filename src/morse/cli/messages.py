@@ -7,7 +7,7 @@ import os
 from typing import TYPE_CHECKING
 
 from morse.core.reports.printing import echo, harmless_paragraph
-from morse.system.shared_folders import expanded
+from morse.system.regular_files import expanded
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -70,7 +70,7 @@ def request_of(
 ) -> CameraRequest:
     """Request the pictures of a camera of the scene, or of a free viewpoint."""
     from morse.rendering import Renderer
-    from morse.rendering.photograph import Viewpoint, angle_of
+    from morse.rendering.renderer import Viewpoint, angle_of
 
     renderer = simulation.context.server(Renderer)
     if camera is not None:
@@ -102,7 +102,7 @@ def _lens(size: tuple[int, int], angle: float, fine: bool) -> Lens:
 
 def shape_of(request: CameraRequest, fine: bool) -> tuple[int, int]:
     """Width and height of the images, px."""
-    from morse.rendering.photograph import Viewpoint
+    from morse.rendering.renderer import Viewpoint
 
     lens = request.lens
     halved = fine and isinstance(request.obj, Viewpoint)

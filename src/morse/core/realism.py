@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.sensor import Sensor
     from morse.core.values import Fields, Value
-    from morse.scene.realism import NoiseModel, RealismModel
+    from morse.scene.component import NoiseModel, RealismModel
 
 
 _WIDE = 16

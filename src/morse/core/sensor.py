@@ -25,7 +25,7 @@ from morse.core.streams.extent import check_fields
 from morse.core.streams.functions import publish, waiting
 from morse.core.validation.fields import spec_of_field
 from morse.core.values import Fields, Value
-from morse.scene.realism import is_numeric
+from morse.scene.component import is_numeric
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from morse.core.interfaces import Component
     from morse.core.realism import Noise, Realism
     from morse.core.robot import Robot
-    from morse.scene.realism import RealismModel
+    from morse.scene.component import RealismModel
 
     Pose = tuple[Sequence[float], Sequence[float]]
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsFloat, overload
 
 from morse.mathutils import matrix as matrices
 from morse.mathutils import rotations
-from morse.mathutils.sequence import FloatSequence, floats, is_number, rounded
-from morse.mathutils.vector_algebra import VectorAlgebra
+from morse.mathutils.sequence import FloatSequence, VectorAlgebra, floats, is_number, rounded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

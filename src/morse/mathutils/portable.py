@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -152,3 +152,17 @@ def _each(function: Callable[..., float], inputs: int) -> Callable[..., Floats]:
 
 cos, sin, arccos, arcsin = (_each(function, 1) for function in (math.cos, math.sin, math.acos, math.asin))
 arctan2, power = _each(math.atan2, 2), _each(math.pow, 2)
+
+
+def linear_light(codes: ArrayLike) -> NDArray[np.float64]:
+    """Return the linear light, 0 to 1, of sRGB values, 0 to 1 (IEC 61966-2-1)."""
+    values = np.asarray(codes, dtype=np.float64)
+    return np.asarray(
+        np.where(values <= 0.04045, values / 12.92, power((np.maximum(values, 0.0) + 0.055) / 1.055, 2.4))
+    )
+
+
+def linear_color(color: Sequence[float]) -> tuple[float, float, float, float]:
+    """Return the linear light and the opacity of a colour whose numbers programs show as they are, sRGB."""
+    red, green, blue = linear_light(color[:3]).tolist()
+    return red, green, blue, float(color[3])

@@ -27,7 +27,7 @@ from morse.physics.objects.linkage import Linkage
 from morse.physics.objects.object_world import ObjectList
 from morse.physics.poses import kinematics
 from morse.physics.poses.snapshot import MovingPoses, Snapshots
-from morse.physics.ray_world import RayWorld
+from morse.physics.rays.rays import RayWorld
 from morse.physics.reactions import ContactPoints
 from morse.physics.separation import Separation
 from morse.physics.stability import Crowding, Recovery, Rescue

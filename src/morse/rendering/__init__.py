@@ -6,9 +6,8 @@ Scenes without cameras do not import this package.
 from morse.rendering import distortion, flow, things  # noqa: F401 (cameras use them from the first image on)
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.lens import Lens, Motion
-from morse.rendering.photograph import photograph
 from morse.rendering.picture import Picture
-from morse.rendering.renderer import Renderer
+from morse.rendering.renderer import Renderer, photograph
 from morse.rendering.requests import CameraRequest
 
 __all__ = ["CameraRequest", "DistortedLens", "Lens", "Motion", "Picture", "Renderer", "photograph"]

@@ -47,7 +47,7 @@ SCREEN_SPACE_ERROR = 0.0
 
 
 class Placed(Protocol):
-    """An object with a pose: an object of the world, or a `morse.rendering.photograph.Viewpoint`."""
+    """An object with a pose: an object of the world, or a `morse.rendering.renderer.Viewpoint`."""
 
     def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3) and rotation (9, row by row) in the world."""

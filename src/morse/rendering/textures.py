@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image as Picture
 
 from morse.kernel.drawing.arrays import ENCODED, TEXTURE
-from morse.mathutils.light import linear_light
+from morse.mathutils.portable import linear_light
 from morse.system.pictures import load_readers, open_picture
 
 if TYPE_CHECKING:

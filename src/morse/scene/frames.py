@@ -1,4 +1,4 @@
-"""Rigid frames of nodes; scale is part of meshes, never of poses."""
+"""Rigid frames of nodes, and poses of nodes whose parent changes."""
 
 from __future__ import annotations
 
@@ -103,3 +103,24 @@ def _unit(x: float, y: float, z: float, fallback: tuple[float, float, float]) ->
         return fallback
     scale = 1.0 / length
     return x * scale, y * scale, z * scale
+
+
+def set_free(node: Node, world: Matrix | None = None) -> None:
+    """Detach a node from its parent, at its present pose or at a given 4x4 pose in the world.
+
+    Location, rotation and scale cannot represent the shear of a tree of scaled nodes, so shear is lost.
+    """
+    world = node.world_matrix() if world is None else world
+    node.detach()
+    location, rotation, scale = world.decompose()
+    node.location = list(location)
+    node.rotation_euler = list(rotation.to_euler())
+    node.scale = list(scale)
+
+
+def attach_in_place(parent: Node, child: Node) -> None:
+    """Attach a node without moving it; if the parent has a scale of 0, its local pose is kept instead."""
+    try:
+        parent.attach(child, keep_world_pose=True)
+    except ValueError:
+        parent.attach(child)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from morse.core.values import Fields
     from morse.core.world import Body
     from morse.rendering import CameraRequest, Lens, Picture
-    from morse.scene.realism import RealismModel
+    from morse.scene.component import RealismModel
 
 #: properties that determine the lens
 _OF_LENS = (

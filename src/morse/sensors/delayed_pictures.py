@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from morse.core.values import Fields
     from morse.rendering import Lens, Picture
     from morse.rendering.picture import Shot
-    from morse.scene.realism import RealismModel
+    from morse.scene.component import RealismModel
     from morse.sensors.camera import Camera
 
 #: types of the arrays of an image, and numbers of their axes

@@ -22,7 +22,7 @@ from morse.core.reports.faults import ENDINGS, attribute, describe, is_a, name_o
 from morse.core.robot import Robot
 from morse.core.rows.marks import Unclaimed
 from morse.middleware.registry import needs_network
-from morse.scene.realism import RealismModel
+from morse.scene.component import RealismModel
 from morse.scene.scene_warnings import about
 
 if TYPE_CHECKING:

@@ -2,6 +2,10 @@
 
 The headers of PNG and JPEG files, which nearly all textures are, tell the cost, and they are decoded in this process.
 All other formats are decoded in a process with limits, and become PNG files.
+
+The process is ``python -m morse.system.pictures``. A small TIFF file can contain gigabytes of tags, a GIF comments that
+take quadratic time; JPEG 2000 takes 130 ns for a pixel. The question is the content of a file, the answer a byte 1 and
+the same picture as PNG (or TIFF, which has more kinds of pixels), or a byte 0 and the reason in UTF-8.
 """
 
 from __future__ import annotations
@@ -14,10 +18,12 @@ import warnings
 from functools import cache
 from typing import TYPE_CHECKING
 
-from morse.system.regular_files import budget_of_file
+from morse.system.regular_files import MOST_MEMORY, MOST_SECONDS, budget_of_file
+from morse.system.workers import Server, limit_resources, serve_program
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
 
 #: pixels of a picture; a file may be a thousand times smaller than its pixels
 MOST_PIXELS = 1 << 27
@@ -197,3 +203,45 @@ def _check_parts(parts: int, others: int) -> None:
         raise ValueError(
             f"it has more than {_MOST_PARTS} parts, or {_MOST_OTHERS >> 20} MiB beside its pixels: save it again"
         )
+
+
+#: pixels of a picture
+_MOST_PIXELS = 1 << 26
+#: modes that a PNG file has, and those of numbers, which are heights
+_PNG_MODES, _TIFF_MODES = ("1", "L", "LA", "I;16", "P", "RGB", "RGBA"), ("I", "F", "I;16B")
+
+
+class Decoder(Server):
+    """Decodes pictures."""
+
+    def answer(self, question: bytes) -> bytes:
+        """Decode a picture."""
+        try:
+            with opened(question) as picture:
+                if picture.width * picture.height > _MOST_PIXELS:
+                    raise ValueError(f"it has {picture.width} x {picture.height} pixels, more than {_MOST_PIXELS}")
+                picture.load()
+                plain = picture
+                if picture.mode not in (*_PNG_MODES, *_TIFF_MODES):
+                    plain = picture.convert("RGBA" if "A" in picture.getbands() else "RGB")
+                for name in ("icc_profile", "exif", "xmp", "comment"):
+                    plain.info.pop(name, None)
+                result = io.BytesIO()
+                if plain.mode in _TIFF_MODES:
+                    plain.save(result, "TIFF")
+                else:
+                    plain.save(result, "PNG", compress_level=1)
+                return b"\1" + result.getvalue()
+        except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
+            return b"\0" + f"{error!s:.100}".encode()
+
+
+def main() -> None:
+    """Decode the pictures of the process that has started this one."""
+    load_readers()
+    limit_resources(MOST_SECONDS, MOST_MEMORY)
+    serve_program(Decoder, watches=False)
+
+
+if __name__ == "__main__":
+    main()

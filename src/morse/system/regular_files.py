@@ -1,20 +1,23 @@
-"""Reads files that may be anything: a pipe or a device would block, or never end."""
+"""Reads files that may be anything (a pipe or a device would block, or never end), and finds the folders above them."""
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import stat
 import sys
+import tempfile
 import time
 from contextlib import contextmanager
 from contextvars import ContextVar
+from itertools import takewhile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterator
     from os import stat_result
-    from pathlib import Path
 
     from morse.system.workers import Worker
 
@@ -28,7 +31,7 @@ MOST_SEARCHES = 20_000
 #: wall-clock time for pictures that a process decodes, all and one of them, s; its memory, bytes
 MOST_SECONDS, PATIENCE, MOST_MEMORY = 40.0, 15.0, 512 << 20
 _Result = TypeVar("_Result")
-_DECODER = "morse.system.picture_program"
+_DECODER = "morse.system.pictures"
 
 
 class BudgetError(ValueError):
@@ -81,7 +84,7 @@ class Budget:
             raise BudgetError(f"the pictures of the model have more than {MOST_PIXELS} pixels together")
 
     def decoded(self, data: bytes) -> bytes:
-        """The answer of `morse.system.picture_program` to the content of a file.
+        """The answer of `morse.system.pictures` to the content of a file.
 
         Raises:
             BudgetError: its process has ended: it has needed too much time or memory.
@@ -248,3 +251,35 @@ def _kind(mode: int) -> str:
 def _too_large(path: str | Path, most: int) -> OSError:
     size, unit = next(((size, unit) for size, unit in _UNITS if most >= size), _UNITS[-1])
     return RefusedFileError(errno.EFBIG, f"it is larger than {most // size} {unit}", str(path))
+
+
+def home() -> Path | None:
+    """The home folder of the user; None if it has none, as in a container that runs as a number."""
+    with contextlib.suppress(RuntimeError):
+        return Path.home()
+    return None
+
+
+def expanded(name: str | os.PathLike[str]) -> Path:
+    """A path with ``~`` and ``~user`` replaced; as it is if there is no such user, since a name may begin so."""
+    with contextlib.suppress(RuntimeError):
+        return Path(name).expanduser()
+    return Path(name)
+
+
+def _temporary_folders() -> set[str]:
+    """Folders of temporary files: the usual ones, and that of Python, which has none if nothing can be written."""
+    folders = {os.environ.get(name, "") for name in ("TMPDIR", "TEMP", "TMP")} | {"/tmp", "/var/tmp", "/usr/tmp"}
+    with contextlib.suppress(OSError):
+        folders.add(tempfile.gettempdir())
+    return {folder for folder in folders if folder and os.path.isabs(folder)}
+
+
+def folders_above(path: Path) -> list[Path]:
+    """The folders above a file, the nearest first: up to the home folder, that of temporary files, or the root."""
+    shared = {Path(os.path.realpath(path.absolute().anchor))}
+    if (own := home()) is not None:
+        shared.add(Path(os.path.realpath(own)))
+    shared |= {Path(os.path.realpath(folder)) for folder in _temporary_folders()}
+    shared |= {folder for one in shared for folder in one.parents}
+    return list(takewhile(lambda folder: Path(os.path.realpath(folder)) not in shared, path.absolute().parents))

@@ -13,7 +13,7 @@ from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.assets.mjcf import read_mjcf
 from morse.assets.mjcf.source import Source
-from morse.mathutils.light import linear_light
+from morse.mathutils.portable import linear_light
 from morse.physics import World
 from morse.scene import Control, JointKind, PhysicsType, Scene, ShapeKind
 

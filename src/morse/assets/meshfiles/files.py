@@ -6,8 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.meshfiles.pictures import is_picture, usable_picture
-from morse.assets.missing_picture import chequered
+from morse.assets.pictures import chequered, is_picture, usable_picture
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:

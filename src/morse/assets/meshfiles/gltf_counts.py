@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 from morse.assets.errors import AssetError
-from morse.assets.missing_picture import chequered
+from morse.assets.pictures import chequered
 from morse.assets.triangle_limit import check_parts, check_triangles
 from morse.system.pictures import readable_picture
 

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.assets.errors import AssetError
+from morse.assets.formats import MESH_SUFFIXES, reader_of
+from morse.assets.loader import instantiate
 from morse.assets.meshfiles.files import SIZE_LIMIT, Below, readable
 from morse.assets.meshfiles.gltf_counts import check_gltf, with_pictures
 from morse.assets.meshfiles.surfaces import Surfaces
@@ -36,6 +38,7 @@ from morse.system.regular_files import read_regular
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from xml.etree.ElementTree import Element
+
 
 #: elements with triangles, or with polygons that are divided into triangles
 _PRIMITIVES = ("triangles", "polylist", "polygons", "trifans", "tristrips", "lines", "linestrips")
@@ -400,3 +403,35 @@ class _Reading:
         node.location = matmul(self._turn, matrix[:3, 3]).tolist()
         node.rotation_euler = list(Matrix(rotation.tolist()).to_euler())
         node.scale = scale.tolist()
+
+
+#: largest accepted coordinate, metres
+_FARTHEST_VERTEX = 1e6
+
+
+class MeshError(ValueError):
+    """A mesh cannot be used; the message contains the reason."""
+
+
+def mesh_nodes(path: Path, *, libraries: dict[Path, Library], keeps_axes: bool = False) -> list[Node]:
+    """Copies of the nodes of a mesh file.
+
+    Args:
+        libraries: the files that have already been read; newly read files are added.
+        keeps_axes: whether the axes of glTF are kept.
+
+    Raises:
+        AssetError: the file is damaged.
+        MeshError: files of that type cannot be read, or it is too large.
+    """
+    if path.suffix.lower() not in MESH_SUFFIXES:
+        kinds = ", ".join(MESH_SUFFIXES)
+        raise MeshError(f"files of type '{path.suffix}' cannot be read; supported: {kinds}")
+    if path not in libraries:
+        is_gltf = path.suffix.lower() in GLTF_SUFFIXES
+        library = read_meshes(path, keeps_axes=True) if keeps_axes and is_gltf else reader_of(path)(path)
+        for mesh in (node.mesh for node in library.nodes() if node.mesh is not None):
+            if mesh.vertices.size and not abs(mesh.vertices).max() < _FARTHEST_VERTEX:
+                raise MeshError(f"vertices of '{mesh.name}' are farther from the origin than {_FARTHEST_VERTEX:g} m")
+        libraries[path] = library
+    return [instantiate(root) for root in libraries[path].roots]

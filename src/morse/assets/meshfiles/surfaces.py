@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from morse.assets.meshfiles.pictures import Pictures
+from morse.assets.pictures import Pictures
 from morse.assets.polygons import Polygons, corner_normals
 from morse.assets.shapes.surface import without_equal_triangles
-from morse.mathutils.light import linear_color
-from morse.mathutils.portable import matmul
+from morse.mathutils.portable import linear_color, matmul
 from morse.scene import Image, Material, Mesh
 
 #: triangles per vertex of a closed surface: with more, some may be equal

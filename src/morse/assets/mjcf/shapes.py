@@ -10,9 +10,9 @@ from morse.assets import solids
 from morse.assets.mjcf.heights import height_mesh
 from morse.assets.mjcf.model import GeomData
 from morse.assets.mjcf.skins import pieces_of
-from morse.assets.texture_coordinates import with_texture_coordinates
+from morse.assets.polygons import with_texture_coordinates
 from morse.mathutils import Quaternion
-from morse.mathutils.light import linear_color
+from morse.mathutils.portable import linear_color
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 from morse.scene.mjcf import DEFAULT_CONTACT
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.meshfiles.pictures import Pictures, usable_picture
+from morse.assets.pictures import Pictures, usable_picture
 from morse.scene import Image
 from morse.system.pictures import opened
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 from morse.assets.errors import AssetError
-from morse.assets.model_folders import CONFIG, model_file
+from morse.assets.gazebo.values import CONFIG, model_file
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.xml_files import read_xml
-from morse.system.shared_folders import home
+from morse.system.regular_files import home
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

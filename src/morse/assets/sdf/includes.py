@@ -10,8 +10,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from morse.assets.errors import AssetError
-from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text_of
-from morse.assets.model_folders import version_of
+from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text_of, version_of
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import NotDownloadedError, find_model, read_root
 from morse.assets.sdf.scope import MODEL, Part, Scope

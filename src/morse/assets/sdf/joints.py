@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
     from xml.etree.ElementTree import Element
 
-    from morse.assets.sdf.flat import FlatJoint
+    from morse.assets.sdf.scope import FlatJoint
 
 #: rad or m, for joints without limits
 _ENDLESS = 1e4

@@ -6,12 +6,11 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from morse.assets.gazebo.colors import color_of
-from morse.assets.gazebo.values import ValueMistakeError, number, text_of, vector
-from morse.assets.meshfiles.pictures import Pictures, usable_picture
+from morse.assets.gazebo.values import ValueMistakeError, color_of, number, text_of, vector
 from morse.assets.nearby_files import FileRefusedError, find_folder_near, find_near
+from morse.assets.pictures import Pictures, usable_picture
 from morse.assets.sdf.files import find_file
-from morse.mathutils.light import linear_color
+from morse.mathutils.portable import linear_color
 from morse.scene import Image, Material
 from morse.system.pictures import opened
 from morse.system.regular_files import read_regular

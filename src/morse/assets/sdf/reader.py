@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
-from morse.assets.model_folders import version_of
-from morse.assets.sdf.flat import joints_of
+from morse.assets.gazebo.values import version_of
 from morse.assets.sdf.geometry import Geometry
 from morse.assets.sdf.includes import Includes
 from morse.assets.sdf.materials import Materials
 from morse.assets.sdf.robots import Models
-from morse.assets.sdf.scope import MODEL, SEPARATOR, WORLD, FrameMistakeError, end_of
+from morse.assets.sdf.scope import MODEL, SEPARATOR, WORLD, FrameMistakeError, end_of, joints_of
 from morse.assets.sdf.worlds import add_world
 from morse.scene import Library
 from morse.system.free_names import free_name

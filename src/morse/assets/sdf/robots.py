@@ -5,19 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.assets.gazebo.converted import Plugins
-from morse.assets.gazebo.motors import prepare_motors
-from morse.assets.gazebo.plugins import read_plugins
+from morse.assets.gazebo.plugins import Plugins, prepare_motors, read_plugins
 from morse.assets.gazebo.values import ValueMistakeError, boolean, number, text_of, vector
-from morse.assets.inertial import inertial_of
-from morse.assets.sdf.flat import FlatLink, joints_of, links_of
 from morse.assets.sdf.joints import JointTree
-from morse.assets.sdf.scope import SEPARATOR, WORLD
+from morse.assets.sdf.scope import SEPARATOR, WORLD, FlatLink, joints_of, links_of
 from morse.assets.sdf.worlds import light_node
 from morse.assets.urdf.document import check_counts
 from morse.assets.urdf.reader import robot_library
 from morse.assets.urdf.sensors import declared_sensors
-from morse.assets.urdf.structure import Document, Link
+from morse.assets.urdf.structure import Document, Link, inertial_of
 from morse.mathutils import Matrix
 
 if TYPE_CHECKING:
@@ -25,10 +21,9 @@ if TYPE_CHECKING:
     from pathlib import Path
     from xml.etree.ElementTree import Element
 
-    from morse.assets.sdf.flat import FlatJoint, FlatLink
     from morse.assets.sdf.geometry import Geometry
     from morse.assets.sdf.includes import Includes
-    from morse.assets.sdf.scope import Scope
+    from morse.assets.sdf.scope import FlatJoint, FlatLink, Scope
     from morse.scene import Inertial, Node
     from morse.scene.component import DeclaredSensor
 

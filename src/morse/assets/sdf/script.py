@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
-from morse.assets.model_folders import version_of
-from morse.assets.sdf.flat import links_of
+from morse.assets.gazebo.values import version_of
 from morse.assets.sdf.includes import Includes
 from morse.assets.sdf.reader import read_sdf
+from morse.assets.sdf.scope import links_of
 from morse.system.free_names import free_name
 from morse.system.source_text import one_line, quoted
 

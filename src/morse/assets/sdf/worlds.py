@@ -9,12 +9,12 @@ from morse.assets import solids
 from morse.assets.errors import AssetError
 from morse.assets.gazebo.plugins import unknown_plugins
 from morse.assets.gazebo.values import ValueMistakeError, boolean, number, pose_of, text_of, vector
+from morse.assets.meshfiles.reader import MeshError, mesh_nodes
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import find_file
 from morse.assets.sdf.scope import FrameMistakeError
-from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix, Vector
-from morse.mathutils.light import linear_light
+from morse.mathutils.portable import linear_light
 from morse.mathutils.rotations import nine
 from morse.scene import BodySettings, Light, Material, Node, NodeKind
 from morse.scene.component import DeclaredSensor

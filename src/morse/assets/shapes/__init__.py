@@ -5,11 +5,9 @@ is represented by the solid. Any other mesh is divided into such solids, so that
 hollow.
 """
 
-from morse.assets.shapes.convexity import thickened
 from morse.assets.shapes.decompose import DEFAULT_LIMIT, convex_parts, few_parts
-from morse.assets.shapes.detect import detect_primitive
-from morse.assets.shapes.fit import fit_bounds
-from morse.assets.shapes.part import ConvexPart, Part, Primitive
+from morse.assets.shapes.detect import detect_primitive, fit_bounds
+from morse.assets.shapes.parts import ConvexPart, Part, Primitive, thickened
 
 __all__ = [
     "DEFAULT_LIMIT",

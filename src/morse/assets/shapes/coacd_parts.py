@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.assets.shapes.convexity import hull_part
+from morse.assets.shapes.parts import hull_part
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.assets.shapes.part import ConvexPart
+    from morse.assets.shapes.parts import ConvexPart
 
 #: concavity that is tolerated (the default of CoACD), and vertices of a hull
 _THRESHOLD, _VERTICES = 0.05, 64

@@ -10,21 +10,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.assets.shapes.budget import decomposed
-from morse.assets.shapes.convexity import hull_part, is_convex
 from morse.assets.shapes.detect import primitive_of
-from morse.assets.shapes.part import ConvexPart, Part, Primitive
-from morse.assets.shapes.patches import Flatness, flat_patches, outline
-from morse.assets.shapes.polygons import convex_polygons
-from morse.assets.shapes.rectangles import rectangles
-from morse.assets.shapes.surface import Surface, clean_surface, components, measured, open_edges, with_three_corners
+from morse.assets.shapes.parts import ConvexPart, Part, Primitive, hull_part, is_convex
+from morse.assets.shapes.polygons import convex_polygons, rectangles
+from morse.assets.shapes.surface import (
+    Flatness,
+    Surface,
+    clean_surface,
+    components,
+    flat_patches,
+    measured,
+    open_edges,
+    outline,
+    with_three_corners,
+)
 from morse.mathutils.portable import matmul, norm
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from morse.assets.shapes.part import Part
-    from morse.assets.shapes.patches import Patch
-    from morse.assets.shapes.surface import Surface
+    from morse.assets.shapes.parts import Part
+    from morse.assets.shapes.surface import Patch, Surface
 
     Ints = NDArray[np.int64]
 

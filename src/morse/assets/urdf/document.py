@@ -6,15 +6,14 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
-from morse.assets.inertial import inertial_of
 from morse.assets.triangle_limit import check_parts
 from morse.assets.urdf.drives import add_plugins
 from morse.assets.urdf.expansion import read_expanded, text_with_urls
 from morse.assets.urdf.sensors import sensors_of
-from morse.assets.urdf.structure import LOOSE, Document, Joint, Link, Shape, settle_mimics
+from morse.assets.urdf.structure import LOOSE, Document, Joint, Link, Shape, inertial_of, settle_mimics
 from morse.assets.xml_files import line_of
 from morse.mathutils import Euler, Matrix
-from morse.mathutils.light import linear_color
+from morse.mathutils.portable import linear_color
 from morse.scene import JointDynamics
 
 if TYPE_CHECKING:

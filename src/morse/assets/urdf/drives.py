@@ -5,13 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.assets.gazebo.colors import color_of
-from morse.assets.gazebo.converted import Plugins
-from morse.assets.gazebo.friction import friction_of
-from morse.assets.gazebo.motors import prepare_motors
-from morse.assets.gazebo.plugins import read_plugins
-from morse.assets.gazebo.values import text_of
-from morse.mathutils.light import linear_color
+from morse.assets.gazebo.plugins import Plugins, prepare_motors, read_plugins
+from morse.assets.gazebo.values import color_of, friction_of, text_of
+from morse.mathutils.portable import linear_color
 from morse.scene import Control
 
 if TYPE_CHECKING:

@@ -11,10 +11,10 @@ import time
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from morse.assets.arguments import ARGUMENTS
 from morse.assets.errors import AssetError
+from morse.assets.formats import ARGUMENTS
 from morse.assets.nearby_files import FOLDERS, FileRefusedError, find_near, find_package
-from morse.assets.urdf.xacro_limits import TIME_LIMIT
+from morse.assets.urdf.xacro_program import TIME_LIMIT
 from morse.assets.xml_files import parse_xml, read_xml
 from morse.system.extras import install
 from morse.system.workers import Worker, WorkerError, bare_environment

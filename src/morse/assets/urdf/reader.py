@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from morse.assets import solids
 from morse.assets.errors import AssetError
+from morse.assets.meshfiles.reader import MeshError, mesh_nodes
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
 from morse.assets.urdf.document import WORLD, parse
-from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
 from morse.scene import (

@@ -9,7 +9,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.assets.gazebo.topics import topic_of
+from morse.assets.gazebo.plugins import topic_of
 from morse.assets.gazebo.values import ValueMistakeError, number, text_of
 from morse.mathutils import Euler, Matrix
 from morse.mathutils.rotations import nine

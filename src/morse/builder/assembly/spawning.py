@@ -32,7 +32,7 @@ from morse.core.reports.quoting import nearest, short
 from morse.core.validation.fields import checked_value
 from morse.helpers.descriptions import is_description
 from morse.scene import Node
-from morse.scene.realism import RealismModel
+from morse.scene.component import RealismModel
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import is_model
-from morse.system.regular_files import read_regular
-from morse.system.shared_folders import folders_above
+from morse.system.regular_files import folders_above, read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -16,7 +16,7 @@ from morse.core.streams.kind_stream import KindStream
 from morse.core.validation.names import file_name
 from morse.middleware.text import STREAM_OPTIONS
 from morse.system.free_names import free_path
-from morse.system.shared_folders import expanded
+from morse.system.regular_files import expanded
 from morse.wire.encoding import written
 
 if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 from weakref import WeakValueDictionary
@@ -11,8 +12,9 @@ import numpy as np
 from morse.kernel.rays import BOX, CAPSULE, CYLINDER, ELLIPSOID, Fan, NativeRays, Poses, SolidArrays, ray_caster
 from morse.mathutils import Vector
 from morse.mathutils.portable import matmul, norm
+from morse.physics.objects.object_world import ObjectWorld
 from morse.physics.rays.bundle import RayBundle, Scan, farther
-from morse.physics.rays.solids import Solids
+from morse.physics.rays.solids import Solids, body_of, owner
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from morse.kernel.batched import Lane
     from morse.kernel.rays import Hits
     from morse.physics.objects.gameobject import GameObject
-    from morse.physics.objects.object_world import ObjectWorld, Posed
+    from morse.physics.objects.object_world import Posed
     from morse.scene import Node
 
 
@@ -363,3 +365,43 @@ def _rows_of_three(values: ArrayLike, what: str) -> NDArray[np.float64]:
             f"{what} of rays have to be finite numbers; number {int(np.argmin(np.isfinite(rows).all(axis=1)))} is not"
         )
     return rows
+
+
+class RayWorld(ObjectWorld):
+    """A world in which rays are cast; see `morse.physics.world.World`."""
+
+    @cached_property
+    def rays(self) -> Rays:
+        """The ray caster, created on demand."""
+        return Rays(self)
+
+    def cast(
+        self,
+        start: Sequence[float],
+        target: Sequence[float],
+        distance: float,
+        prop: str,
+        xray: bool,
+        exclude: GameObject,
+    ) -> tuple[GameObject | None, Vector | None, Vector | None]:
+        """See `ObjectWorld.cast`."""
+        reach = math.dist(start, target)
+        if not 0.0 < reach < math.inf:
+            return None, None, None
+        direction = [(b - a) / reach for a, b in zip(start, target, strict=True)]
+        ignored = self._without(prop) if prop and xray else None
+        ray_hit = self.rays.first(start, direction, distance or reach, ignored, owner(self, exclude.slot))
+        if ray_hit is None:
+            return None, None, None
+        part, point, normal = ray_hit
+        body = body_of(self, part)
+        if prop and prop not in part and prop not in body:
+            return None, None, None
+        return body, point, normal
+
+    def _without(self, prop: str) -> NDArray[np.bool_]:
+        """Return (S,) booleans: solids that do not have a property, and whose bodies do not have it either."""
+        lacking = self.rays.without(prop)
+        for solid in np.flatnonzero(lacking):
+            lacking[solid] = prop not in body_of(self, self.rays.object_of(int(solid)))
+        return lacking

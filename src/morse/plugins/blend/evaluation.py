@@ -18,13 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from morse.assets.cache import Cache
-from morse.assets.poses import set_free
 from morse.mathutils import Matrix
 from morse.plugins.blend.container import Damage
 from morse.plugins.blend.meshes import build
 from morse.plugins.blend.polygons import gather
 from morse.plugins.blend.unevaluated import needs
 from morse.scene import NodeKind
+from morse.scene.frames import set_free
 from morse.system.variables import text
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.pictures import HEADER_SIZE, TargaError, is_targa, png_of
 from morse.assets.search import component_dirs, resource_dirs
-from morse.assets.targa import HEADER_SIZE, TargaError, is_targa, png_of
 from morse.plugins.blend.container import Damage
 from morse.plugins.blend.file import datablock_name
 from morse.scene import Image

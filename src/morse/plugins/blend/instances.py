@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.assets.loader import instantiate
-from morse.assets.poses import set_free
 from morse.mathutils import Matrix
 from morse.plugins.blend.file import datablock_name
+from morse.scene.frames import set_free
 
 if TYPE_CHECKING:
     from morse.plugins.blend.file import BlendFile, Record

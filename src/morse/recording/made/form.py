@@ -8,7 +8,7 @@ import msgspec
 from morse.mathutils.rotations import Rotation9
 from morse.scene import Articulation, BodySettings, Bone, Camera, Inertial, Light, NodeKind, ShapeKind
 from morse.scene.articulation import JointDynamics
-from morse.scene.realism import RealismModel
+from morse.scene.component import RealismModel
 from morse.scene.scene import Settings
 
 Triple = tuple[float, float, float]
@@ -118,7 +118,7 @@ class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
         classes: class paths: of its class, and of the classes from which that is derived.
         modifiers: class paths and options.
         wheels: names of the nodes of the wheels of a robot; None for a component without wheels.
-        realism: see `morse.scene.realism.RealismModel`.
+        realism: see `morse.scene.component.RealismModel`.
         panel: of a component whose class is not one of MORSE.
     """
 

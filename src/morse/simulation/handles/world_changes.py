@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from morse.assets.meshfiles.pictures import Pictures
+from morse.assets.pictures import Pictures
 from morse.assets.search import worlds_with
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError

@@ -8,7 +8,7 @@ from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from morse.assets.merging import same
+from morse.assets.following import same
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.context import acting
 from morse.core.datastream import AbstractDatastream

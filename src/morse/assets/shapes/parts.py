@@ -1,17 +1,18 @@
-"""Convex pieces, and hulls of pieces that are not convex."""
+"""The parts into which a mesh is decomposed: convex pieces, and hulls of pieces that are not convex."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
-from morse.assets.shapes.part import ConvexPart
 from morse.assets.shapes.surface import edge_neighbours
 from morse.mathutils import portable
 from morse.mathutils.portable import eigh, matmul
+from morse.scene.body import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,6 +20,61 @@ if TYPE_CHECKING:
     from morse.assets.shapes.surface import Surface
 
     Floats = NDArray[np.float64]
+
+
+PrimitiveKind: TypeAlias = Literal["box", "sphere", "cylinder", "capsule", "cone"]
+
+CONE_SIDES = 24  # the physics has no cones: a cone becomes a pyramid with this number of sides
+
+
+@dataclass(eq=False, slots=True)
+class Primitive:
+    """A simple solid in the frame of the mesh.
+
+    Attributes:
+        size: metres. Box: three half sizes; sphere: radius; cylinder and cone: radius and half height; capsule: radius
+            and half length of its straight part. Cylinder, cone (tip up) and capsule are along Z.
+        position: (3,) position of its centre.
+        rotation: (3, 3) rotation from the frame of the solid to that of the mesh.
+    """
+
+    kind: PrimitiveKind
+    size: tuple[float, ...]
+    position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    rotation: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+
+    def to_shape(self) -> CollisionShape:
+        """Return the shape for the physics."""
+        if self.kind == "cone":
+            return ConvexPart(self._cone_points()).to_shape()
+        x, y, z = self.position.tolist()
+        a, b, c, d, e, f, g, h, i = self.rotation.ravel().tolist()
+        return CollisionShape(ShapeKind(self.kind), self.size, (x, y, z), (a, b, c, d, e, f, g, h, i))
+
+    def _cone_points(self) -> NDArray[np.float64]:
+        radius, half = self.size
+        turn = np.arange(CONE_SIDES) * (2.0 * math.pi / CONE_SIDES)
+        base = np.column_stack([radius * portable.cos(turn), radius * portable.sin(turn), np.full(CONE_SIDES, -half)])
+        return np.asarray(matmul(np.vstack([base, [0.0, 0.0, half]]), self.rotation.T) + self.position)
+
+
+@dataclass(eq=False, slots=True)
+class ConvexPart:
+    """The convex hull of points.
+
+    Attributes:
+        points: (P, 3) metres, in the frame of the mesh; not all in one plane.
+    """
+
+    points: NDArray[np.float64]
+
+    def to_shape(self) -> CollisionShape:
+        """Return the shape for the physics."""
+        return CollisionShape(ShapeKind.CONVEX, (), vertices=self.points)
+
+
+Part: TypeAlias = Primitive | ConvexPart
+
 
 _BULGE = 1e-3  # share of the diagonal: tolerance for vertices in front of a face
 _WORK = 20_000_000  # maximum product of vertices and faces that are tested
