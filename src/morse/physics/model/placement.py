@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics.model.files import model_of
 from morse.physics.model.layout import Motion
 
@@ -136,7 +137,7 @@ def _lowest(state: EngineState, geom: int) -> float:
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         mesh = int(state.model.geom_dataid[geom])
         first, count = int(state.model.mesh_vertadr[mesh]), int(state.model.mesh_vertnum[mesh])
-        return height + float((state.model.mesh_vert[first : first + count] @ up).min())
+        return height + float(matmul(state.model.mesh_vert[first : first + count], up).min())
     if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
         return height - a
     if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
