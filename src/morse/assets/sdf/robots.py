@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from morse.assets.sdf.geometry import Geometry
     from morse.assets.sdf.includes import Includes
-    from morse.assets.sdf.scope import FlatJoint, FlatLink, Scope
+    from morse.assets.sdf.scope import FlatJoint, Scope
     from morse.scene import Inertial, Node
     from morse.scene.component import DeclaredSensor
 

@@ -29,11 +29,9 @@ from morse.mathutils.portable import matmul, norm
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from morse.assets.shapes.parts import Part
-    from morse.assets.shapes.surface import Patch, Surface
+    from morse.assets.shapes.surface import Patch
 
     Ints = NDArray[np.int64]
-
     Floats = NDArray[np.float64]
 
 _THICKNESS = 0.05  # thickness as a share of the square root of the area: a wall is thicker than a picture frame …

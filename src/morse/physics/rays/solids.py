@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.object_world import ObjectWorld
-    from morse.scene import CollisionShape, Mesh, Node
+    from morse.scene import Mesh, Node
 
     Hull = tuple[NDArray[np.float64], NDArray[np.int32]]
 
