@@ -7,7 +7,7 @@ import math
 from functools import cache
 from typing import TYPE_CHECKING
 
-from morse.scene import Mesh
+from morse.scene import Mesh, ShapeKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -117,6 +117,24 @@ def ico_sphere(subdivisions: int = 2) -> Mesh:
             finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
         faces = finer
     return polyhedron("IcoSphere", points, faces, smooth=True)
+
+
+def primitive(kind: ShapeKind, size: tuple[float, ...]) -> tuple[Mesh, tuple[float, ...]]:
+    """Return a mesh that shows a shape, and the scale of the mesh.
+
+    Args:
+        kind, size: as of `morse.scene.CollisionShape`; neither a hull nor a height field.
+    """
+    if kind is ShapeKind.BOX:
+        return cube(), size
+    if kind is ShapeKind.SPHERE:
+        return ball(size[0]), size * 3
+    if kind is ShapeKind.ELLIPSOID:
+        return ball(max(size)), size
+    if kind is ShapeKind.CYLINDER:
+        radius, half = size
+        return round_cylinder(radius), (radius, radius, half)
+    return capsule(*size), (1.0, 1.0, 1.0)
 
 
 def round_cylinder(radius: float) -> Mesh:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from xml.etree.ElementTree import Element
 
-    from morse.assets.urdf.structure import Document, Joint
+    from morse.assets.description import Joint, RobotDescription
 
 
 def propeller(plugins: Plugins, element: Element, prefix: str) -> None:
@@ -178,7 +178,7 @@ class Plugins:
         )  # fmt: skip
 
 
-def prepare_motors(document: Document, plugins: Plugins) -> None:
+def prepare_motors(document: RobotDescription, plugins: Plugins) -> None:
     """Set the largest efforts of driven wheels; the wheels of a body that plugins move roll freely."""
     is_pushed = any(one.product == "MotionXYW" for one in plugins.actuators)
     for joint in document.joints:

@@ -6,14 +6,15 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets.robot_nodes import joint_bone
 from morse.mathutils import Matrix, Quaternion, Vector
-from morse.mathutils.rotations import nine
-from morse.scene import Bone, Control, JointDynamics, JointKind
+from morse.scene import Control, JointDynamics, JointKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.assets.mjcf.model import BodyData, JointData, ModelData, MotorData
+    from morse.scene import Bone
 
 #: range of joints without limits, rad or m
 _ENDLESS = 1e4
@@ -84,24 +85,9 @@ class Bones:
         limits = joint.limits or (-_ENDLESS, _ENDLESS)
         low, high = (min(max(value, -_ENDLESS), _ENDLESS) for value in limits)
         kind = _KINDS[joint.kind]
-        x, y, z = local.translation
         index = len(self.bones)
-        self.bones.append(
-            Bone(
-                name,
-                parent,
-                (x, y, z),
-                nine(list(local.to_3x3())),
-                0.0,
-                kind,
-                axis=2,
-                free=(False, False, kind is JointKind.REVOLUTE),
-                low=low,
-                high=high,
-                value=joint.start,
-                dynamics=self._dynamics(number, joint),
-            )
-        )
+        dynamics = self._dynamics(number, joint)
+        self.bones.append(joint_bone(name, parent, local, kind, (low, high), joint.start, dynamics))
         self._bone_of.setdefault(number, index)
         return index
 

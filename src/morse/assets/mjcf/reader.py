@@ -14,11 +14,11 @@ from morse.assets.mjcf.joints import Bones, pose
 from morse.assets.mjcf.shapes import add_skins, hide_collision_shapes, shape_node
 from morse.assets.mjcf.source import Source
 from morse.assets.mjcf.textures import TextureImages
+from morse.assets.robot_nodes import attach_links, robot_node
 from morse.mathutils import Matrix
 from morse.mathutils.portable import matmul
 from morse.mathutils.rotations import nine
-from morse.scene import Articulation, BodySettings, Inertial, Library, Node, NodeKind, PhysicsType
-from morse.scene.articulation import start_frames
+from morse.scene import Articulation, BodySettings, Inertial, Library, Node, PhysicsType
 from morse.scene.component import DeclaredSensor
 from morse.scene.library import Keyframe
 from morse.scene.mjcf import DEFAULT_CONTACT, MjcfModel
@@ -300,23 +300,10 @@ class _Reader:
             linear_damping=0.0,
             angular_damping=0.0,
         )
-        root = Node(name, body=body, source_name=name)
-        armature = Node(f"{name}_joints", NodeKind.ARMATURE, source_name=f"{name}_joints")
-        armature.bones = tuple(bones.bones)
-        root.attach(armature)
+        root, armature = robot_node(name, body, bones.bones)
         links = {index: self._name(model.bodies[index].name, "_link") for index in group.bodies}
-        frames = []
-        for (x, y, z), r in start_frames(armature.bones):
-            frame = Matrix((r[:3], r[3:6], r[6:])).to_4x4()
-            frame.translation = (x, y, z)
-            frames.append(frame)
-        for index in group.bodies:
-            bone, local = bones.hung[index]
-            place = local if bone < 0 else frames[bone] @ local
-            link = self._link(links[index], model.bodies[index])
-            link.bone = armature.bones[bone].name if bone >= 0 else ""
-            link.location, link.rotation_euler = list(place.translation), list(place.to_euler())
-            armature.attach(link)
+        nodes = ((self._link(links[index], model.bodies[index]), *bones.hung[index]) for index in group.bodies)
+        attach_links(armature, nodes)
         if base is None:
             world = Node(self._name("world"), source_name="world")
             self._add_shapes(world, model.bodies[0])

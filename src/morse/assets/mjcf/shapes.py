@@ -29,13 +29,6 @@ if TYPE_CHECKING:
 _HIDDEN = 3
 #: half size of the plate that is shown for a plane: along its sides if it has no limit, and its half thickness, m
 _ENDLESS, _PLATE = 50.0, 0.05
-_KINDS = {
-    "sphere": ShapeKind.SPHERE,
-    "capsule": ShapeKind.CAPSULE,
-    "ellipsoid": ShapeKind.ELLIPSOID,
-    "cylinder": ShapeKind.CYLINDER,
-    "box": ShapeKind.BOX,
-}
 
 
 def hide_collision_shapes(model: ModelData) -> None:
@@ -104,38 +97,21 @@ def _plain_node(geom: GeomData, name: str) -> Node:
         if is_solid:
             node.shapes = [CollisionShape(ShapeKind.HEIGHT_FIELD, geom.size, heights=geom.heights)]
         return node
-    node.mesh, scale = _mesh(geom)
+    kind, size = (ShapeKind.BOX, plane_box(geom.size)) if geom.kind == "plane" else (ShapeKind(geom.kind), geom.size)
+    node.mesh, scale = solids.primitive(kind, size)
     node.scale = list(scale)
+    if is_solid:
+        node.shapes = [CollisionShape(kind, size)]
     if geom.kind == "plane":
         # the top of a plate
         axes = Quaternion(geom.quaternion).to_matrix()
         node.location = [place - scale[2] * row[2] for place, row in zip(geom.position, axes, strict=True)]
-        if is_solid:
-            node.shapes = [CollisionShape(ShapeKind.BOX, scale)]
-    elif is_solid:
-        node.shapes = [CollisionShape(_KINDS[geom.kind], geom.size)]
     return node
 
 
 def plane_box(size: tuple[float, ...]) -> tuple[float, float, float]:
     """Return the half sizes of the plate that is shown for a plane; a size of 0 is no limit."""
     return size[0] or _ENDLESS, size[1] or _ENDLESS, _PLATE
-
-
-def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
-    """Return the mesh of a primitive, and its scale."""
-    size = geom.size
-    if geom.kind == "box":
-        return solids.cube(), size
-    if geom.kind == "plane":
-        return solids.cube(), plane_box(size)
-    if geom.kind == "ellipsoid":
-        return solids.ball(max(size)), size
-    if geom.kind == "sphere":
-        return solids.ball(size[0]), (size[0],) * 3
-    if geom.kind == "cylinder":
-        return solids.round_cylinder(size[0]), (size[0], size[0], size[1])
-    return solids.capsule(*size), (1.0, 1.0, 1.0)
 
 
 def add_skins(model: ModelData, skins: Sequence[Skin]) -> list[str]:

@@ -270,22 +270,16 @@ class Geometry:
             return node
         if shape.tag == "box":
             size = tuple(0.5 * side for side in _positive(shape, "size", vector(shape, "size", (1.0, 1.0, 1.0))))
-            node.mesh, node.scale, kind = solids.cube(), list(size), ShapeKind.BOX
         elif shape.tag == "sphere":
             size = _sizes(shape, "radius")
-            node.mesh, node.scale, kind = solids.ball(size[0]), list(size * 3), ShapeKind.SPHERE
         elif shape.tag == "ellipsoid":
             size = _positive(shape, "radii", vector(shape, "radii", (1.0, 1.0, 1.0)))
-            node.mesh, node.scale, kind = solids.ball(max(size)), list(size), ShapeKind.ELLIPSOID
         else:
             radius, length = _sizes(shape, "radius", "length")
             size = (radius, 0.5 * length)
-            kind = ShapeKind.CAPSULE if shape.tag == "capsule" else ShapeKind.CYLINDER
-            if kind is ShapeKind.CAPSULE:
-                node.mesh = solids.capsule(*size)
-            else:
-                node.mesh, node.scale = solids.round_cylinder(radius), [radius, radius, 0.5 * length]
-        node.shapes = [CollisionShape(kind, size)]
+        kind = ShapeKind(shape.tag)
+        node.mesh, scale = solids.primitive(kind, size)
+        node.scale, node.shapes = list(scale), [CollisionShape(kind, size)]
         return node
 
     def _mesh(self, shape: Element, path: Path, name: str, *, is_static: bool) -> Node:

@@ -6,10 +6,9 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets.description import Joint, Link, check_depth, settle_mimics
 from morse.assets.gazebo.values import FARTHEST, ValueMistakeError, number, unlimited
 from morse.assets.sdf.scope import SEPARATOR
-from morse.assets.urdf.document import check_depth
-from morse.assets.urdf.structure import Joint, Link, settle_mimics
 from morse.mathutils import Matrix, Vector
 from morse.scene import JointDynamics
 from morse.scene.articulation import Constraint, ConstraintKind
@@ -209,7 +208,7 @@ class JointTree:
         self.constraints.append(Constraint(ConstraintKind.JOINT, other.name, one.name, data))
 
     def settle_mimics(self) -> None:
-        """See `morse.assets.urdf.structure.settle_mimics`."""
+        """See `morse.assets.description.settle_mimics`."""
         settle_mimics(self.joints, self._warn)
 
     def _made(self, name: str) -> str:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.assets.description import Link, RobotDescription, check_counts, inertial_of
 from morse.assets.gazebo.plugins import Plugins, prepare_motors, read_plugins
+from morse.assets.gazebo.sensors import declared_sensors
 from morse.assets.gazebo.values import ValueMistakeError, boolean, number, text_of, vector
+from morse.assets.robot_nodes import robot_library
 from morse.assets.sdf.joints import JointTree
 from morse.assets.sdf.scope import SEPARATOR, WORLD, FlatLink, joints_of, links_of
 from morse.assets.sdf.worlds import light_node
-from morse.assets.urdf.document import check_counts
-from morse.assets.urdf.reader import robot_library
-from morse.assets.urdf.sensors import declared_sensors
-from morse.assets.urdf.structure import Document, Link, inertial_of
 from morse.mathutils import Matrix
 
 if TYPE_CHECKING:
@@ -118,7 +117,7 @@ class Models:
             armature.location, armature.rotation_euler = list(base.translation), list(base.to_euler())
         return root
 
-    def _plugins(self, model: Scope, document: Document, links: list[str], prefix: str) -> Plugins:
+    def _plugins(self, model: Scope, document: RobotDescription, links: list[str], prefix: str) -> Plugins:
         first = document.root.removeprefix(prefix)
         links.sort(key=lambda name: name != first)
         plugins = Plugins({joint.name: joint for joint in document.joints}, links, prefix, document.name, self._warn)
@@ -126,7 +125,9 @@ class Models:
         prepare_motors(document, plugins)
         return plugins
 
-    def _document(self, model: Scope, links: dict[str, FlatLink], joints: list[FlatJoint], prefix: str) -> Document:
+    def _document(
+        self, model: Scope, links: dict[str, FlatLink], joints: list[FlatJoint], prefix: str
+    ) -> RobotDescription:
         poses = {name: link.pose for name, link in links.items()} | {WORLD: Matrix.Identity(4)}
         tree = JointTree(self._path, poses, self._warn)
         is_static = all(link.is_static for link in links.values())
@@ -156,7 +157,7 @@ class Models:
         sensors, remarks = self._sensors(links, joints, prefix)
         for remark in remarks:
             self._warn(remark)
-        return Document(
+        return RobotDescription(
             # the engine has a body of this name
             model.name if model.name != WORLD else f"{WORLD}_model",
             parts,

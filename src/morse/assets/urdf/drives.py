@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from xml.etree.ElementTree import Element
 
-    from morse.assets.urdf.structure import Document, Link
+    from morse.assets.description import Link, RobotDescription
 
 #: settings of the physics without a counterpart
 _LEFT_OUT = (
@@ -25,7 +25,7 @@ _LEFT_OUT = (
 _PLAIN = ("", "0", "0.0", "false", "False")
 
 
-def read_references(robot: Element, document: Document) -> None:
+def read_references(robot: Element, document: RobotDescription) -> None:
     """Set the friction and the colours of links, and name what is left out."""
     left_out: set[str] = set()
     for gazebo in robot.findall("gazebo"):
@@ -56,7 +56,7 @@ def _paint(link: Link, material: str) -> None:
 _CONTROLS = {"position": Control.POSITION, "effort": Control.POSITION, "velocity": Control.VELOCITY}
 
 
-def add_plugins(robot: Element, document: Document) -> None:
+def add_plugins(robot: Element, document: RobotDescription) -> None:
     """Add actuators and sensors to a robot, and set the control modes of its motors."""
     joints = {joint.name: joint for joint in document.joints}
     read_references(robot, document)

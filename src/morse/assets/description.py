@@ -1,4 +1,7 @@
-"""What a URDF file describes: links with masses, joints, shapes; also files of other formats that are read like it."""
+"""The description of a robot that files of URDF and SDF become: links with masses, joints, shapes.
+
+`morse.assets.robot_nodes` makes nodes of it.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.assets.errors import AssetError
 from morse.mathutils.portable import eigh, matmul
 from morse.scene import Inertial
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from morse.mathutils import Matrix
     from morse.scene import JointDynamics, Node
@@ -20,6 +25,11 @@ if TYPE_CHECKING:
     from morse.scene.component import DeclaredSensor
 
 
+#: maximum number of links, of joints that move, each of which the engine compares with each other, and of joints in a
+#: chain
+_MOST_LINKS, _MOST_MOVING, _DEEPEST = 2000, 800, 200
+#: name of a link that stands for the world: links attached to it are fixed
+WORLD = "world"
 #: joints that move in several directions
 LOOSE = ("floating", "planar", "spherical")
 
@@ -30,8 +40,7 @@ class Shape:
 
     Attributes:
         kind: ``box``, ``cylinder``, ``sphere``, ``capsule`` or ``mesh``.
-        size: m: the three sides of a box; radius and length of a cylinder; radius of a capsule and
-            the length between the centres of its ends; the radius of a sphere; the scale of a mesh.
+        size: m, as of `morse.scene.CollisionShape`; of a mesh, its scale.
         file: path of a mesh.
         origin: 4x4 in the frame of the link.
         color: RGBA, or None.
@@ -95,8 +104,8 @@ class Joint:
 
 
 @dataclass(slots=True)
-class Document:
-    """The content of a file.
+class RobotDescription:
+    """What a file says about a robot.
 
     Attributes:
         joints: each joint after the one that moves its parent.
@@ -148,6 +157,30 @@ def settle_mimics(joints: Sequence[Joint], warn: Callable[[str], None]) -> None:
             joint.mimic = None
         else:
             joint.mimic = name, factor, offset
+
+
+def check_counts(path: Path, links: int, moving: int) -> None:
+    """Refuse a robot with too many links, or joints that move.
+
+    Raises:
+        AssetError: they exceed a limit.
+    """
+    if links > _MOST_LINKS:
+        raise AssetError(path, f"it has {links} links, more than {_MOST_LINKS}")
+    if moving > _MOST_MOVING:
+        raise AssetError(
+            path, f"it has {moving} joints that move, at most {_MOST_MOVING} can be simulated: fix some of them"
+        )
+
+
+def check_depth(path: Path, depth: int, link: str) -> None:
+    """Refuse a chain of too many joints.
+
+    Raises:
+        AssetError: it exceeds the limit.
+    """
+    if depth > _DEEPEST:
+        raise AssetError(path, f"there are more than {_DEEPEST} joints in a chain, up to the link '{link:.60}'")
 
 
 #: kg/m^3; density for the inertia of a link that has a mass but no inertia

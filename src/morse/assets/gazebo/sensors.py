@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from xml.etree import ElementTree
     from xml.etree.ElementTree import Element
 
-    from morse.assets.urdf.structure import Link
+    from morse.assets.description import Link
 
 #: fields of products, and where the standard deviations of their noise may be
 _FIELDS: dict[str, dict[str, tuple[str, ...]]] = {
