@@ -20,9 +20,10 @@ import numpy as np
 
 from morse.mathutils.portable import matmul
 from morse.physics.model.layout import Motion, driven_wheels
-from morse.physics.model.shapes import bounding_box, wheel_axis, wheel_size
+from morse.physics.model.shapes import wheel_axis, wheel_size
 from morse.physics.poses.rigid import relative_pose
 from morse.scene import ShapeKind
+from morse.scene.extent import box_around
 from morse.scene.frames import rigid_frame
 from morse.scene.joint_wheels import driven_wheels as wheels_on_joints
 from morse.scene.joint_wheels import joint_wheels
@@ -70,7 +71,7 @@ def _supports(frame: Frame) -> Iterable[tuple[Node, float]]:
         if (node.body.friction or 0.0) > _SLIPPERY and frame.node.articulation is not None:
             continue
         low = min(
-            (float(bounding_box(shape, *relative_pose(node, pose))[0][2]) for shape in node.shapes or ()), default=1e9
+            (float(box_around(shape, *relative_pose(node, pose))[0][2]) for shape in node.shapes or ()), default=1e9
         )
         if lowest < low < ground + _NEAR:
             yield node, max(0.0, ground + _CLEARANCE - low)

@@ -21,7 +21,6 @@ from morse.physics.model.couplings import IMPEDANCE, CouplingBuilder, add_links,
 from morse.physics.model.files import Files, are_all_from_files, level, models_of, set_ground, set_options
 from morse.physics.model.layout import Frame, Motion, Slot, frames_of
 from morse.physics.model.shapes import (
-    bounding_box,
     replace_unusable_hulls,
     robot_inertia,
     volume,
@@ -30,7 +29,7 @@ from morse.physics.model.shapes import (
 )
 from morse.physics.poses.rigid import as_array, relative_pose
 from morse.scene import PhysicsType, ShapeKind
-from morse.scene.extent import corners
+from morse.scene.extent import box_around, corners
 from morse.scene.frames import RigidFrame, rigid_frame
 from morse.scene.mjcf import DEFAULT_CONTACT
 
@@ -314,7 +313,7 @@ class _Builder:
                     surface = partial(self._set_surface, node=node, frame=frame)
                     self.planes.note(body, geom, turned, surface)
                 if is_robot:
-                    low, high = bounding_box(shape, position, rotation)
+                    low, high = box_around(shape, position, rotation)
                     lower, upper = np.minimum(lower, low), np.maximum(upper, high)
         if is_robot:
             assert frame.robot is not None

@@ -43,9 +43,9 @@ import numpy as np
 
 from morse.mathutils.portable import norm
 from morse.physics.model.layout import Motion
-from morse.physics.model.shapes import bounding_box
 from morse.physics.poses.rigid import as_array
 from morse.scene import Control
+from morse.scene.extent import box_around
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -317,7 +317,7 @@ def _reach_down(entry: AddedJoint) -> float:
     """Return how far the shapes that a joint moves reach below it, m: the radius of a wheel."""
     frame = entry.frame
     lows = [
-        float(bounding_box(shape, np.array(place.position), as_array(place.rotation))[0][2])
+        float(box_around(shape, np.array(place.position), as_array(place.rotation))[0][2])
         for node in frame.solid
         for place in (rigid_frame(node),)
         for shape in node.shapes or ()

@@ -17,6 +17,7 @@ import numpy as np
 from morse.mathutils.portable import matmul, norm
 from morse.physics.poses.rigid import as_array
 from morse.scene import CollisionShape, ShapeKind
+from morse.scene.extent import box_around
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -58,21 +59,6 @@ def volume(shape: CollisionShape) -> float:
                 assert shape.vertices is not None
                 value = _volumes[shape] = float(np.prod(np.maximum(np.ptp(shape.vertices, axis=0), 1e-3)))
             return value
-
-
-def bounding_box(
-    shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the lower and upper corner (3,) of a shape, given the pose of its node in the wanted frame, m."""
-    if shape.kind is ShapeKind.CONVEX:
-        assert shape.vertices is not None
-        points = matmul(shape.vertices, rotation.T) + position
-        return points.min(axis=0), points.max(axis=0)
-    shape_rotation = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
-    centre = position + matmul(rotation, np.asarray(shape.position))
-    half = half_sizes(shape)
-    extent = matmul(np.abs(shape_rotation), half) if shape.kind is not ShapeKind.SPHERE else half
-    return centre - extent, centre + extent
 
 
 def half_sizes(shape: CollisionShape) -> NDArray[np.float64]:
@@ -251,7 +237,7 @@ def wheel_size(wheel: Node, axis: NDArray[np.float64]) -> tuple[float, float, ND
     rotation = np.column_stack([x, np.cross(z, x), z])
     lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
     for shape in wheel.shapes or ():
-        low, high = bounding_box(shape, np.zeros(3), rotation.T)
+        low, high = box_around(shape, np.zeros(3), rotation.T)
         lower, upper = np.minimum(lower, low), np.maximum(upper, high)
     half = (upper - lower) / 2
     return float(max(half[0], half[1])), float(half[2]), rotation
