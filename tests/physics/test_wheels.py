@@ -41,6 +41,16 @@ def test_wheels_know_their_size_and_side(driven):
     assert (left.offset_y, right.offset_y) == pytest.approx((TRACK / 2, -TRACK / 2))
 
 
+def test_a_wheel_that_is_turned_about_its_axle_has_the_same_size():
+    body = wheeled()
+    left = next(child for child in body.children if child.name == "robot.Wheel_L")
+    c = math.sqrt(0.5)
+    left.shapes[0].rotation = (c, -c, 0.0, c, c, 0.0, 0.0, 0.0, 1.0)
+    made = scene(ground(), body, robots=[body])
+    made.components[0].options["wheels"] = ["robot.Wheel_L", "robot.Wheel_R"]
+    assert World(made).game_object("robot").wheels()[0].radius == pytest.approx(RADIUS)
+
+
 def test_a_resting_robot_does_not_creep(driven):
     run(driven, 3.0)
     assert tuple(driven.game_object("robot").worldPosition) == pytest.approx((0, 0, RADIUS), abs=5e-3)
