@@ -12,7 +12,7 @@ import numpy as np
 from morse.eyes.shapes import GRID_REACH
 from morse.eyes.store import CUBE, FLAT, SKY, ModelStore
 from morse.kernel.drawing.arrays import DOUBLE_SIDED, FINE, HAZED, MATERIAL, SOLID, Poses
-from morse.mathutils.light import linear_light
+from morse.mathutils.portable import linear_light
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -16,7 +16,7 @@ from morse.core.declarations import fields_of_component, levels, properties
 from morse.core.rows.marks import known_data, present_data
 from morse.core.services import signature_of
 from morse.middleware.registry import installed
-from morse.scene.realism import RealismModel
+from morse.scene.component import RealismModel
 from morse.viewer.description import (
     ArgumentDescription,
     ComponentDescription,
