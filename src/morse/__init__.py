@@ -15,15 +15,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from morse.eyes import Renderer
+    from morse.eyes import Rays, Renderer
     from morse.launch.load import load
     from morse.many.batch import batch
     from morse.simulation.simulation import Simulation
 
-__all__ = ["Renderer", "Simulation", "batch", "load"]
+__all__ = ["Rays", "Renderer", "Simulation", "batch", "load"]
 
 #: where the names are: importing a part of MORSE, such as the builder, does not load the simulator
 _PLACES = {
+    "Rays": "morse.eyes",
     "Renderer": "morse.eyes",
     "batch": "morse.many.batch",
     "Simulation": "morse.simulation.simulation",

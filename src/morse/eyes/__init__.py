@@ -12,6 +12,7 @@ For programs that call MuJoCo's own renderer: ``morse.eyes.install()``, first of
 """
 
 from morse.eyes.opengl import install, uninstall
-from morse.eyes.renderer import Renderer
+from morse.eyes.rays import RayHits, Rays
+from morse.eyes.renderer import BatchRenderer, Renderer
 
-__all__ = ["Renderer", "install", "uninstall"]
+__all__ = ["BatchRenderer", "RayHits", "Rays", "Renderer", "install", "uninstall"]

@@ -1,0 +1,100 @@
+"""Rays at models of MuJoCo, against `mujoco.mj_multiRay`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import morse
+
+_MODEL = """<mujoco><asset><mesh name="m" vertex="-.3 -.2 -.1 .3 -.2 -.1 .1 .2 -.1 0 0 .4"/>
+<hfield name="h" nrow="5" ncol="6" size=".6 .5 .3 .1"
+ elevation="0 1 0 0 1 0 1 0 1 1 0 0 0 1 0 1 0 1 1 1 0 0 1 1 0 0 1 1 0 1"/></asset><worldbody>
+<geom type="plane" size="0 0 1" pos="0 0 -.5"/><geom type="plane" size=".5 .5 1" pos="2 2 .3" euler="20 10 0"/>
+<geom type="sphere" size=".3" pos="1 0 0"/><geom type="box" size=".2 .3 .1" pos="0 1 .2" euler="10 40 70"/>
+<geom type="capsule" size=".1 .3" pos="-1 0 .2" euler="80 0 30"/>
+<geom type="cylinder" size=".2 .3" pos="0 -1 .1" euler="30 50 0"/>
+<geom type="ellipsoid" size=".1 .3 .2" pos="1 1 .1" euler="0 40 20"/>
+<geom type="mesh" mesh="m" pos="-1 1 0" euler="0 20 0"/><geom type="hfield" hfield="h" pos="-1 -1 -.2"/>
+<geom type="sphere" size=".3" pos="1 -1 0" rgba="1 0 0 0"/>
+<body pos="0 0 1"><freejoint/><geom type="sphere" size=".2" group="3"/></body></worldbody></mujoco>"""
+
+
+def _state() -> tuple[Any, Any]:
+    model = mujoco.MjModel.from_xml_string(_MODEL)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def _reference(model: Any, data: Any, point: Any, ways: Any, group: Any = None) -> tuple[Any, Any]:
+    geoms, distances = np.zeros(len(ways), np.int32), np.zeros(len(ways))
+    mujoco.mj_multiRay(model, data, point, ways.ravel(), group, 1, -1, geoms, distances, None, len(ways), 1e10)
+    return geoms, distances
+
+
+@pytest.mark.parametrize("point", [(0.0, 0.0, 0.3), (0.3, -0.4, 2.0), (-1.2, 0.5, 0.9)])
+def test_hits_are_those_of_mujoco(point: tuple[float, ...]) -> None:
+    model, data = _state()
+    ways = np.random.default_rng(3).normal(size=(3000, 3))
+    hits = morse.Rays(model).cast(data, point, ways)
+    geoms, distances = _reference(model, data, np.array(point), ways)
+    same = hits.geoms == geoms
+    # at edges, rounding decides
+    assert same.mean() > 0.998
+    assert set(np.unique(geoms)) >= {0, 2, 3, 4, 5, 6}
+    # those of height fields are in single precision
+    field = same & (geoms == 8)
+    assert hits.distances[field] == pytest.approx(distances[field], abs=1e-6)
+    others = same & ~field
+    assert hits.distances[others] == pytest.approx(distances[others], rel=1e-9, abs=1e-9)
+    hit = hits.geoms >= 0
+    assert (hits.normals[hit] ** 2).sum(axis=1) == pytest.approx(np.ones(hit.sum()))
+    assert ((hits.normals * ways).sum(axis=1)[hit] < 0).all()
+    assert not hits.normals[~hit].any()
+    sphere = hits.geoms == 2
+    centre = (np.array(point) + hits.distances[sphere, None] * ways[sphere] - [1, 0, 0]) / 0.3
+    assert hits.normals[sphere] == pytest.approx(centre, abs=1e-9)
+
+
+def test_many_states_in_one_call() -> None:
+    model, _ = _state()
+    states = []
+    for height in (1.0, 1.5, 3.0):
+        data = mujoco.MjData(model)
+        data.qpos[2] = height
+        mujoco.mj_forward(model, data)
+        states.append(data)
+    hits = morse.Rays(model).cast(states, (0, 0, 5), [[0, 0, -1.0], [0, 0, -2.0]])
+    assert hits.distances == pytest.approx(np.array([[3.8, 1.9], [3.3, 1.65], [1.8, 0.9]]))
+    assert hits.normals[:, 0].tolist() == [[0, 0, 1]] * 3
+
+
+def test_groups_and_limits() -> None:
+    model, data = _state()
+    down = [[0, 0, -1.0]]
+    assert morse.Rays(model, [True, True, True, False, True, True]).cast(data, (0, 0, 5), down).geoms[0] == 0
+    assert morse.Rays(model).cast(data, (0, 0, 5), down, limit=2.0).geoms[0] == -1
+    assert morse.Rays(model).cast(data, (0, 0, 5), down, limit=4.0).distances[0] == pytest.approx(3.8)
+
+
+def test_wrong_rays_are_told_or_hit_nothing() -> None:
+    model, data = _state()
+    rays = morse.Rays(model)
+    hits = rays.cast(data, (0, 0, 5), [[0, 0, 0], [np.nan, 0, 1], [0, 0, np.inf], [0, 0, -1]])
+    assert hits.geoms[:3].tolist() == [-1, -1, -1]
+    assert hits.distances[:3].tolist() == [-1, -1, -1]
+    assert rays.cast(data, (0, 0, 5), np.zeros((0, 3))).distances.shape == (0,)
+    with pytest.raises(ValueError, match="Directions have the shape"):
+        rays.cast(data, (0, 0, 5), [0, 0, -1])
+    with pytest.raises(ValueError, match="Points have the shape"):
+        rays.cast(data, np.zeros((4, 3)), np.ones((5, 3)))
+    with pytest.raises(ValueError, match="greater than 0"):
+        rays.cast(data, (0, 0, 5), [[0, 0, -1]], limit=np.nan)
+    with pytest.raises(ValueError, match="6 groups"):
+        morse.Rays(model, [True])
+    empty = mujoco.MjModel.from_xml_string("<mujoco/>")
+    assert morse.Rays(empty).cast(mujoco.MjData(empty), (0, 0, 0), [[0, 0, 1]]).geoms.tolist() == [-1]
