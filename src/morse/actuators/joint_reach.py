@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from morse.actuators.joint_paths import GOAL_VIOLATED, JointPaths
 from morse.core import status
@@ -214,7 +214,7 @@ class Follower:
     """
 
     def __init__(self) -> None:
-        self._goal: tuple[Any, ...] = ()
+        self._goal: tuple[object, ...] = ()
         self._trial: list[float] | None = None
         self._attempt = self._ticks = 0
         #: joint values that could not be improved

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from morse.core import status
 from morse.core.actuator import Actuator
@@ -50,7 +50,7 @@ class JointMotion(Actuator):
         self._values = list(self.chain.start)
         self.local_data.update(zip(self.chain.names, self._values, strict=True))
         #: the last setpoints, and the clamped setpoints
-        self._told: list[Any] = []
+        self._told: list[object] = []
         self._limits = [(low, high) for _, low, high in self.chain.limits]
         self._told_bounds: Sequence[tuple[float, float]] = self._limits
         self._clamped: list[float] = []

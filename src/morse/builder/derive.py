@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import logging
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.components import actuators_with_parts, armatures
 from morse.builder.components.actuators_with_parts import Joystick
@@ -119,7 +119,7 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
         bases = (DeclaredRobot, DRIVES[(entry.defaults or {}).get("drive", "ground")])
     else:
         bases = (next(_with_methods(entry.classpath), _CREATORS[kind]),)
-    body: dict[str, Any] = {"_classpath": entry.classpath, "__doc__": entry.doc, "__module__": module}
+    body: dict[str, object] = {"_classpath": entry.classpath, "__doc__": entry.doc, "__module__": module}
     if kind != "robots":
         body["_product"] = entry.product
     return type(entry.name, bases, body)

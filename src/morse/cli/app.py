@@ -116,7 +116,7 @@ def _names() -> list[str]:
     return [*_MODULES, *dict.fromkeys(point.name for point in entry_points(_GROUP) if point.name not in _MODULES)]
 
 
-def _function(name: str) -> tuple[Callable[..., Any], dict[str, Any] | None]:
+def _function(name: str) -> tuple[Callable[..., object], dict[str, object] | None]:
     """The function of a command, and settings of its parser.
 
     That of a plug-in that cannot be loaded says so when it is called: the help lists it, and the other commands.
@@ -138,7 +138,7 @@ def _callable(found: object) -> Callable[..., Any]:
     return found
 
 
-def _contained(name: str, function: Callable[..., object]) -> Callable[..., Any]:
+def _contained(name: str, function: Callable[..., object]) -> Callable[..., object]:
     """The function of a plug-in, whose errors are messages."""
 
     @functools.wraps(function)
@@ -155,7 +155,7 @@ def _contained(name: str, function: Callable[..., object]) -> Callable[..., Any]
     return call
 
 
-def _broken(reason: str) -> Callable[..., Any]:
+def _broken(reason: str) -> Callable[..., object]:
     def call(words: Annotated[list[str] | None, typer.Argument(hidden=True)] = None) -> None:
         raise CommandError(reason)
 
@@ -207,7 +207,7 @@ class _Commands(typer.core.TyperGroup):
     def get_params(self, ctx: Any) -> list[Any]:
         return _plain_types(super().get_params(ctx))
 
-    def invoke(self, ctx: Any) -> Any:
+    def invoke(self, ctx: Any) -> object:
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:

@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,8 @@ from morse.cli.messages import CommandError, complain, existing_file, say
 from morse.core.reports.printing import echo
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from morse.many import Study, Table
 
 #: largest number of characters of an error in the list of failures
@@ -112,7 +114,7 @@ def _study_of(file: str, name: str | None) -> Study:
 def _run(study: Study, folder: Path, workers: int | None, ray: str | None) -> Table:
     from morse.many.rays import RayExecutor
 
-    executor: Any = None
+    executor: Executor | None = None
     try:
         if ray is not None:
             executor = RayExecutor(ray, workers)

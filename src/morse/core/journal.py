@@ -167,7 +167,7 @@ class Journal:
             self.conclude(name, order, status.FAILED, summary(error)[:_LONGEST])
 
 
-def plain_result(result: object) -> Value:
+def plain_result(result: object) -> object:
     """The result of a service as plain data; None for one without such a form, or larger than 64 KiB."""
     if result is None or isinstance(result, (bool, int, float)):
         return result

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 from gymnasium.error import ResetNeeded
@@ -18,6 +18,7 @@ from morse.many.rows import only_row_of, seeds_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from gymnasium import Space
     from numpy.typing import NDArray
 
     from morse.gym.task import Task
@@ -147,7 +148,7 @@ class VectorRows(Protocol):
         spaces: of the observations and the actions of a row.
     """
 
-    spaces: tuple[Any, Any]
+    spaces: tuple[Space[Observation], Space[np.ndarray]]
 
     def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:
         """Begin episodes in the rows of a mask, and in all that have none."""

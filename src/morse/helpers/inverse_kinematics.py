@@ -8,7 +8,7 @@ step, so that the others compensate. The result only depends on the arguments.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -179,7 +179,7 @@ def _step(
 ) -> NDArray[np.generic]:
     """(N,) a step of the joints; joints that would exceed their limits are not moved."""
     free = np.ones(len(movable), dtype=bool)
-    step: NDArray[Any] = np.zeros(len(movable))
+    step: NDArray[np.float64] = np.zeros(len(movable))
     for _ in range(3):
         part = jacobian * free
         step = _damped(part, errors, damping) * free

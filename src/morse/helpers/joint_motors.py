@@ -21,13 +21,13 @@ from morse.scene.joint_wheels import (
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from morse.core.values import Fields
+    from morse.core.limits import Limits
     from morse.core.world import Body, Joints
     from morse.scene import Node
 
 
 #: unit and range of the properties of drives that are lengths of wheels, or between wheels
-WHEEL_LENGTH: Fields = {"unit": "m", "low": 0.0, "high": 100.0}
+WHEEL_LENGTH: Limits = {"unit": "m", "low": 0.0, "high": 100.0}
 
 
 def joint_names(text: str) -> tuple[str, ...]:

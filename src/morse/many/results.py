@@ -19,6 +19,7 @@ from morse.system.regular_files import RefusedFileError, is_regular, open_regula
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from types import TracebackType
+    from typing import BinaryIO
 
     from morse.many.values import Row
 
@@ -148,7 +149,7 @@ def _repair(path: Path) -> None:
             file.truncate(content.rfind(b"\n") + 1)
 
 
-def _locked(file: Any) -> bool:
+def _locked(file: BinaryIO) -> bool:
     try:
         if os.name == "nt":
             import msvcrt

@@ -236,7 +236,7 @@ class RecordedStream(TopicStream):
         return stamps
 
 
-def _tuple_getter(names: tuple[str, ...]) -> Callable[[Any], tuple[object, ...]]:
+def _tuple_getter(names: tuple[str, ...]) -> Callable[[object], tuple[object, ...]]:
     get = attrgetter(*names)
     return get if len(names) > 1 else lambda component: (get(component),)
 

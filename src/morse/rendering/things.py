@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -56,7 +56,7 @@ class Things:
         self._members: list[list[Node]] = [[] for _ in first]
         for node, number in zip(nodes, self.numbers.tolist(), strict=True):
             self._members[number].append(node)
-        self._fixed: dict[Node, tuple[tuple[object, Any], tuple[NDArray[np.float64], NDArray[np.float64]]]] = {}
+        self._fixed: dict[Node, tuple[tuple[object, object], tuple[NDArray[np.float64], NDArray[np.float64]]]] = {}
 
     def _thing_of(self, node: Node) -> Node:
         top = node

@@ -90,7 +90,7 @@ class Call:
                 values.append(parameter.default)
         return values
 
-    def _value(self, name: str, value: DecodedMessage) -> Value:
+    def _value(self, name: str, value: DecodedMessage) -> object:
         field = VALUES.get(value["type"])
         if field is None:
             return None

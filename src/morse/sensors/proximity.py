@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
@@ -12,9 +12,6 @@ from morse.core.sensor import Sensor, WatchedSpace
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property
-
-if TYPE_CHECKING:
-    from morse.core.values import Fields
 
 Reach = Annotated[float, Range(**LENGTH, allow=("inf",))]
 
@@ -67,7 +64,7 @@ class Proximity(Sensor):
         """Find the nearby objects."""
         own, tag = self.robot_parent.bge_object, self._tag
         here = own.world_pose()[0]
-        near: Fields = {}
+        near: dict[str, float] = {}
         for obj in self.context.world.objects():
             if tag in obj.properties and obj is not own:
                 distance = math.dist(here, obj.world_pose()[0])

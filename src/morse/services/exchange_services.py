@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
@@ -48,7 +48,7 @@ class ExchangeServices(AbstractObject):
         commands: dict[str, Fields],
         read: list[str],
         n: Steps = 1,
-    ) -> Any:
+    ) -> object:
         """Pass commands to actuators, run ``n`` ticks, and return the data of sensors.
 
         The simulation is paused afterwards. Earlier step requests are processed first.

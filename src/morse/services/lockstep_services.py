@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Protocol
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.services import concurrent_service, service
@@ -68,7 +68,7 @@ class LockstepServices(AbstractObject):
         ended: Callable[[tuple[str, object]], object],
         n: Steps = 1,
         tell_sent: bool = False,
-    ) -> Any:
+    ) -> object:
         """Run ``n`` ticks; the service ends when they are done and the last message of every stream has been sent.
 
         The simulation is paused afterwards. Earlier step requests are processed first.

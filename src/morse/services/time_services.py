@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
@@ -81,7 +81,7 @@ class TimeServices(AbstractObject):
         return True
 
     @concurrent_service(changes=False)
-    def sleep(self, ended: Callable[[tuple[str, object]], object], seconds: Duration) -> Any:
+    def sleep(self, ended: Callable[[tuple[str, object]], object], seconds: Duration) -> object:
         """Sleep for ``seconds`` of simulated time, then end; any number of clients may sleep at the same time."""
         if len(self._alarms) >= _MAX_ALARMS:
             raise MorseRPCInvokationError(f"{_MAX_ALARMS} clients are already sleeping, which is the maximum")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from msgspec import Struct
 
 from morse.scene.scene import Overlay, PanelPlace  # noqa: TC001 (msgspec reads it)
@@ -28,7 +26,7 @@ class PropertyDescription(Struct, frozen=True):
     name: str
     type: str = ""
     doc: str = ""
-    value: Any = None
+    value: object = None
     choices: list[object] | None = None
     unit: str = ""
     low: float | None = None

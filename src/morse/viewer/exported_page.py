@@ -216,7 +216,9 @@ class PageRecording:
         return gzip.compress(len(head).to_bytes(4, "little") + head + b"".join(parts), compresslevel=9, mtime=0)
 
 
-def _every(pictures: list[tuple[float, str, JsonObject, bytes]], step: int) -> list[Any]:
+def _every(
+    pictures: list[tuple[float, str, JsonObject, bytes]], step: int
+) -> list[tuple[float, str, JsonObject, bytes]]:
     """Every ``step``-th image of each camera."""
     counts: dict[str, int] = {}
     frames = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from morse.scene import Settings, SourceLine
@@ -17,7 +17,7 @@ class Wish(NamedTuple):
     """
 
     where: SourceLine | None
-    value: Any
+    value: object
 
 
 class EnvironmentDescription:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import Option, Property
     from morse.core.validation.spec import Spec
-    from morse.core.values import Options, Properties, Value
+    from morse.core.values import Options, Properties
 
 logger = logging.getLogger(__name__)
 
@@ -60,7 +60,7 @@ def _number(value: object, what: str) -> object:
     return value_of_today("number", value, what) if isinstance(value, str) else value
 
 
-def _value(spec: Spec, value: object, what: str) -> Value:
+def _value(spec: Spec, value: object, what: str) -> object:
     if not isinstance(value, str):
         return value
     if spec.kind in ("number", "integer"):

@@ -10,9 +10,9 @@ from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.turning import angles_of, normalized, quaternion_of
 from morse.core.reports.quoting import closest, nearest, shown
 from morse.core.units import UnitError, conversion
-from morse.core.values import Value
 
 if TYPE_CHECKING:
+    from morse.core.values import Value
     from collections.abc import Callable, Collection, Mapping
 
     from morse.core.declarations import DataField
@@ -253,7 +253,7 @@ class Among(Source):
 
     def put(self, value: object, fields: Fields) -> str | None:
         """Write the numbers of the fields to which the slot applies; NaN stands for no command."""
-        names, numbers = self._chosen(), dict[str, Value]()
+        names, numbers = self._chosen(), dict[str, object]()
         remark = self._stack.put(value, numbers)
         set_now = {name: number for name, number in numbers.items() if name in names and number == number}
         fields.update(set_now)

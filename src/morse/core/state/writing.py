@@ -184,7 +184,7 @@ class Writer:
         self.unsaved.append(f"{'.'.join(self._path)} ({why})")
         return AS_IS
 
-    def _other(self, value: Any) -> Any:
+    def _other(self, value: Any) -> object:
         name = self._references.name_of(value)
         if name is not None:
             return ["part", name]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from morse.core.values import Fields
 
     #: returns the payload of a message of a stream
-    Form = Callable[[Any, Message], Any]
+    Form = Callable[[object, Message], object]
 
 #: largest number of messages that are queued for the next action of an actuator
 _MOST_WAITING = 64
@@ -65,7 +65,7 @@ class KindStream(AbstractDatastream):
         if self.direction == IN:
             self._commands = ClientCommands(self.component_instance, logger, self.what)
             self.complaints = self._commands.complaints
-            self._queue: Waiting[Any] = Waiting(_MOST_WAITING, self.complaints, self.component_name, "commands")
+            self._queue: Waiting[object] = Waiting(_MOST_WAITING, self.complaints, self.component_name, "commands")
         else:
             self.complaints = Complaints(logger)
             self._forms = tuple(self._find_forms())

@@ -68,7 +68,7 @@ class LocalData(dict[str, Value]):
             self[key]
         return super().pop(key, *default)
 
-    def popitem(self) -> tuple[str, Value]:
+    def popitem(self) -> tuple[str, object]:
         """See `dict`."""
         self.all_present()
         return super().popitem()

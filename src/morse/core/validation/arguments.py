@@ -60,7 +60,7 @@ class Arguments:
     def __init__(self, callback: Callable[..., object], service: str) -> None:
         self._service = service
         self._signature: inspect.Signature | None = None
-        self._checks: list[tuple[str, Callable[[Value], object]]] = []
+        self._checks: list[tuple[str, Callable[[object], object]]] = []
         self._least, self._most = 0, 0.0
         try:
             self._signature = signature_of(callback)
@@ -124,7 +124,7 @@ def _anything(value: object) -> object:
     return value
 
 
-def check_of(hint: object) -> Callable[[Value], Value]:
+def check_of(hint: object) -> Callable[[object], Value]:
     """Return the check for an annotation."""
     specs = specs_of(hint)
     if not specs:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from morse.core.clients.budgets import Sender
     from morse.core.interfaces import Component
-    from morse.core.values import Fields, Value
+    from morse.core.values import Fields
 
 
 #: largest number of undeclared fields that a component keeps
@@ -41,7 +41,7 @@ class Commands:
     def __init__(self, component: Component) -> None:
         self._component = component
         fields = fields_of_component(component)
-        self._checks: dict[str, Callable[[Value], object]] = {
+        self._checks: dict[str, Callable[[object], object]] = {
             name: spec_of_field(fields.get(name), value).check() for name, value in component.local_data.items()
         }
         self._extra: dict[str, int] = {}

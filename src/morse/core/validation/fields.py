@@ -146,7 +146,7 @@ def checked_value(owner: str, prop: Property, value: object, *, script: bool = F
         raise PropertyError(f"property '{prop.name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
-def checked_property(component: Component, name: object, value: object) -> tuple[str, Value]:
+def checked_property(component: Component, name: object, value: object) -> tuple[str, object]:
     """The name of a property in Python, and the value as it is to be stored.
 
     Raises:

@@ -96,7 +96,7 @@ def array_check(
     item: Callable[[object], object],
     in_range: Callable[[ndarray], bool],
     range_text: str,
-) -> Callable[[Value], object]:
+) -> Callable[[object], object]:
     """Return a check for lists or arrays of exactly that shape.
 
     Args:
@@ -169,7 +169,7 @@ def _as_array(value: list[object], shape: tuple[int | None, ...], dtype: str, ex
 
 def list_check(
     least: int, item: Callable[[object], object], allow: frozenset[str], range_text: str
-) -> Callable[[Value], list[object]]:
+) -> Callable[[object], list[object]]:
     """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
     expectation = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
 
@@ -318,7 +318,7 @@ def real(value: Value) -> float | None:
     return None
 
 
-def _boolean(spec: Spec) -> Callable[[Value], object]:
+def _boolean(spec: Spec) -> Callable[[object], object]:
     def check(value: object) -> bool:
         if isinstance(value, bool) or (type(value) is int and value in (0, 1)) or type(value).__name__ == "bool_":
             return bool(value)
@@ -327,7 +327,7 @@ def _boolean(spec: Spec) -> Callable[[Value], object]:
     return check
 
 
-def _string(spec: Spec) -> Callable[[Value], object]:
+def _string(spec: Spec) -> Callable[[object], object]:
     choices = spec.choices
 
     def check(value: object) -> str:
@@ -346,7 +346,7 @@ def _one_of(choices: tuple[object, ...], value: object) -> str:
     return f"one of {', '.join(map(repr, choices))}" + (f"; did you mean {near!r}?" if near else "")
 
 
-def _dictionary(spec: Spec) -> Callable[[Value], object]:
+def _dictionary(spec: Spec) -> Callable[[object], object]:
     def check(value: object) -> Value:
         if not isinstance(value, dict):
             raise ValueError("an object such as {...}")
@@ -356,7 +356,7 @@ def _dictionary(spec: Spec) -> Callable[[Value], object]:
     return check
 
 
-def _any(spec: Spec) -> Callable[[Value], object]:
+def _any(spec: Spec) -> Callable[[object], object]:
     choices = spec.choices
 
     def check(value: object) -> Value:

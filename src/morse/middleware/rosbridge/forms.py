@@ -84,7 +84,7 @@ def _writer(field: MessageField) -> Callable[[Any], object]:
     return lambda value: kind(field.default if value is None else value)
 
 
-def _bytes_writer(field: MessageField) -> Callable[[Any], str]:
+def _bytes_writer(field: MessageField) -> Callable[[object], str]:
     def write(value: Any) -> str:
         if value is None:
             value = bytes(field.size)
@@ -144,7 +144,7 @@ def _string(value: object, where: str) -> str:
     return value
 
 
-def _number_reader(field: MessageField) -> Callable[[Any, str], object]:
+def _number_reader(field: MessageField) -> Callable[[object, str], object]:
     # every integer that a float can represent; infinity is written as null
     low, high = -(1 << 1023), 1 << 1023
     if field.type == "bool":

@@ -12,7 +12,7 @@ robot alone, and on what it touches.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import mujoco
 import numpy as np
@@ -435,7 +435,7 @@ class Gliding:
 
     # -- saving ------------------------------------------------------------------------------
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> dict[str, object]:
         """See `morse.physics.state.saved.SavedGliding`."""
         names = self._state.names
         return {

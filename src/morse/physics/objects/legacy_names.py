@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.mathutils import Matrix, Vector
 from morse.physics.poses import rigid
@@ -170,7 +170,7 @@ class LegacyNames:
         """Apply a force at the centre of mass during the next tick, N."""
         self.wrench(force, (0.0, 0.0, 0.0), local)
 
-    def applyTorque(self, torque: Any, local: bool = False) -> None:
+    def applyTorque(self, torque: Sequence[float], local: bool = False) -> None:
         """Apply a torque during the next tick, N m."""
         self.wrench((0.0, 0.0, 0.0), torque, local)
 

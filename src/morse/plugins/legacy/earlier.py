@@ -84,7 +84,7 @@ def call(owner: object, method: str, arguments: dict[str, object]) -> dict[str, 
     return arguments
 
 
-def _creator(arguments: dict[str, object]) -> dict[str, Any]:
+def _creator(arguments: dict[str, object]) -> dict[str, object]:
     """``SensorCreator(name, 'class.path', 'model')``."""
     path = arguments["action"]
     if not isinstance(path, str) or "." not in path:
@@ -104,7 +104,7 @@ def _double(text: str) -> str:
     return text.replace("'", '"')
 
 
-def _frequency(arguments: dict[str, object]) -> dict[str, Any]:
+def _frequency(arguments: dict[str, object]) -> dict[str, object]:
     """``frequency(delay=n)``: n ticks, of 60 in a second, between two actions."""
     delay = arguments.pop("delay", None)
     if delay is not None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _configure_mw(
-    component: Any, datastream: str, method: Any = None, path: str | None = None, *_: object, **options: Any
+    component: Any, datastream: str, method: object = None, path: str | None = None, *_: object, **options: object
 ) -> None:
     if isinstance(method, (list, tuple)):
         # the class of the manager, a method and its file

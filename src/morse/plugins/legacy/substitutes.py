@@ -8,7 +8,7 @@ import platform
 import sys
 from importlib import reload
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 __all__ = ["distribution", "getargspec", "load_source", "new_module", "reload"]
 
@@ -19,7 +19,7 @@ class ArgSpec(NamedTuple):
     args: list[str]
     varargs: str | None
     keywords: str | None
-    defaults: tuple[Any, ...] | None
+    defaults: tuple[object, ...] | None
 
 
 def getargspec(function: object) -> ArgSpec:

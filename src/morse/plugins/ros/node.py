@@ -63,7 +63,7 @@ def message(type_name: str, fields: RosMessage) -> Any:
     return instance
 
 
-def _value(kind: str, value: Value) -> Value:
+def _value(kind: str, value: Value) -> object:
     base, bracket, _ = kind.partition("[")
     if base in _TIMES:
         import genpy

@@ -57,12 +57,12 @@ class Keeper:
             Later: self._made,
         }
 
-    def kept(self, value: object) -> Value:
+    def kept(self, value: object) -> object:
         """Return a copy: of numbers, words, arrays and flat lists of these as they are, of others as `Written`."""
         way = self._ways.get(type(value))
         return self.written(value) if way is None else way(value)
 
-    def way_of(self, kind: type) -> Callable[[Value], object] | None:
+    def way_of(self, kind: type) -> Callable[[object], object] | None:
         """The function that keeps values of a type; None if they are constant."""
         way = self._ways.get(kind, self.written)
         return None if way is _itself else way
@@ -224,7 +224,7 @@ class _Chosen(Fields):
         return self[name]
 
 
-def _stacked(values: Sequence[Value]) -> Value:
+def _stacked(values: Sequence[Value]) -> object:
     """Numbers and arrays with a first axis of rows; words are the same in all rows.
 
     Raises:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.rosmsgs.parts import time
 from morse.rosmsgs.table import Qos
@@ -12,6 +12,7 @@ from morse.rosmsgs.table import Qos
 if TYPE_CHECKING:
     from morse.core.values import RosMessage
     from morse.rosmsgs.topics.backend import Publisher
+    from morse.rosmsgs.topics.manager import TopicManager
 
 #: levels of rcl_interfaces/Log are those of logging
 _STEP, _LEAST, _MOST = 10, 10, 50
@@ -38,7 +39,7 @@ class LogTopic(logging.Handler):
     #: later subscribers receive the last lines, as from every ROS node
     qos: ClassVar = Qos(_WAITING, latched=True)
 
-    def __init__(self, manager: Any) -> None:
+    def __init__(self, manager: TopicManager) -> None:
         super().__init__()
         self._manager = manager
         self._losses = 0

@@ -7,7 +7,7 @@ import os
 import tempfile
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import msgspec
 
@@ -92,7 +92,7 @@ class State:
             raise StateError("this is not a saved state of MORSE, or it has another version")
         try:
             check_keys(content, len(_HEAD))
-            parts = msgspec.msgpack.decode(content[len(_HEAD) :], type=dict[str, Any])
+            parts = msgspec.msgpack.decode(content[len(_HEAD) :], type=dict[str, object])
             names = [name for name in parts if name.startswith(_MIDDLEWARE)]
             middlewares = {name.removeprefix(_MIDDLEWARE): parts.pop(name) for name in names}
             state = cls(parts, middlewares=middlewares)

@@ -9,7 +9,6 @@ from morse.plugins.mavlink.autopilot.helms import Helm, TwistHelm
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
-    from morse.core.values import Fields
     from morse.mathutils.rotations import Triple
     from morse.plugins.mavlink.autopilot.helms import Motion, Speeds
     from morse.plugins.mavlink.axes import Place
@@ -107,7 +106,7 @@ class ForceHelm(CarHelm):
 
     def drive(self, speed: float, curvature: float, now: Motion) -> None:
         """See `CarHelm.drive`."""
-        slots: Fields = {"steer": self.car.angle_of(curvature), "force": 0.0, "brake": 0.0}
+        slots: dict[str, object] = {"steer": self.car.angle_of(curvature), "force": 0.0, "brake": 0.0}
         if speed == 0.0:
             slots["brake"] = self.car.brake_for(self._most)
         else:
