@@ -24,7 +24,7 @@ from morse.system.extras import install
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from morse.core.values import DecodedMessage, Value
+    from morse.core.values import DecodedMessage
     from morse.recording.mcap.reader import Channel, McapFile
     from morse.recording.mcap.records import Message
     from morse.rosmsgs.definitions import MessageField
@@ -73,12 +73,12 @@ class Table:
         self._add(fields, (), lambda message: message)
 
     def _add(
-        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[DecodedMessage], Value]
+        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[DecodedMessage], Any]
     ) -> None:
         for field in fields:
             path = (*above, field.name)
 
-            def get(message: DecodedMessage, name: str = field.name) -> Value:
+            def get(message: DecodedMessage, name: str = field.name) -> object:
                 return owner(message)[name]
 
             if "/" in field.type and field.size == SINGLE:
@@ -86,7 +86,7 @@ class Table:
             else:
                 self._column(".".join(path), field, get)
 
-    def _column(self, name: str, field: MessageField, get: Callable[[DecodedMessage], Value]) -> None:
+    def _column(self, name: str, field: MessageField, get: Callable[[DecodedMessage], Any]) -> None:
         if self._without_data and field.type == "uint8" and field.size == SEQUENCE:
             self.left_out.append(name)
         elif field.size == SINGLE:
@@ -101,7 +101,7 @@ class Table:
             self.columns.append((name, f"{field.type}[]" if is_plain else "json"))
             self._getters.append(lambda message: get(message))
 
-    def rows(self, one: Message) -> Iterator[list[Value]]:
+    def rows(self, one: Message) -> Iterator[list[object]]:
         """The rows of a message.
 
         Raises:
@@ -116,7 +116,7 @@ class Table:
             yield first + [get(row) for get in self._getters]
 
 
-def _number(value: object) -> Value:
+def _number(value: object) -> object:
     return value.item() if hasattr(value, "item") else value
 
 
@@ -167,7 +167,7 @@ class FieldsTable:
         except (ValueError, LookupError, TypeError, RecursionError) as error:
             raise RecordingError(f"the declarations of its fields are damaged: {error}") from None
 
-    def rows(self, one: Message) -> Iterator[list[Any]]:
+    def rows(self, one: Message) -> Iterator[list[object]]:
         """The rows of a message; a value of another type than its column is None.
 
         Raises:
@@ -237,7 +237,7 @@ def _cell(value: object) -> object:
     return spreadsheet_cell(value)
 
 
-def _plain(value: object) -> Value:
+def _plain(value: object) -> object:
     if isinstance(value, dict):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list):

@@ -171,7 +171,7 @@ def _padding(letters: str, begin: int) -> str:
 
 
 @cache
-def _collector(type_name: str) -> Callable[[RosMessage, list[Any]], None]:
+def _collector(type_name: str) -> Callable[[RosMessage, list[object]], None]:
     """Appends the numbers of a message of fixed length to a list."""
     fields = fields_of(type_name)
     parts = [
@@ -407,7 +407,7 @@ def _reader(field: MessageField, order: str) -> Read:
         return read_numbers
     item = _single_reader(field.type, order)
 
-    def read(source: _Bytes) -> list[Any]:
+    def read(source: _Bytes) -> list[object]:
         count = field.size or count_of(source)
         if count > len(source.data) - source.at:  # each item takes at least one byte
             raise CdrError(f"{len(source.data)} bytes are too few for {count} items")

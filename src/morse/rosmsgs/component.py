@@ -126,7 +126,7 @@ class ComponentMessages:
         self.names = names
         self.robot: Robot = robot_of(self.component_instance)
         self._frame_ids: dict[str, str] = {}
-        self._known_motion: tuple[Message | None, Any] = None, None
+        self._known_motion: tuple[Message | None, Motion | None] = None, None
 
     # -- topics ------------------------------------------------------------------------------
 
@@ -217,8 +217,10 @@ class ComponentMessages:
             mounting: pose of the sensor on the robot; None for the present one.
         """
         key, motion = self._known_motion
-        if mounting is None and message is key:  # a message is used for the frames and for its own topic
-            return motion  # type: ignore[no-any-return]
+        if (
+            mounting is None and motion is not None and message is key
+        ):  # a message is used for the frames and for its own topic
+            return motion
         sensor = pose_of(message.position, message.orientation)
         motion = motion_of_robot(sensor, message.linear, message.angular, mounting or self.mounting())
         if mounting is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.robot_parts import FIXED
 from morse.helpers.transformation import Transformation3d
@@ -14,6 +14,7 @@ from morse.rosmsgs.parts import between, pose_of, product
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from morse.core.object import Object
     from morse.core.robot import Robot
     from morse.core.robot_parts import MovingPart
     from morse.core.sensor import Sensor
@@ -37,12 +38,12 @@ class Joint(NamedTuple):
         shift: (3,) m, origin of the parent frame in the frame of that object.
     """
 
-    owner: Any
+    owner: Object
     name: str
     part: MovingPart
     frame: str
     parent: str
-    against: Any
+    against: Body
     shift: Sequence[float] = (0.0, 0.0, 0.0)
 
     @property
@@ -87,8 +88,8 @@ class MovingFrame(NamedTuple):
 
     parent: str
     child: str
-    object: Any
-    against: Any
+    object: Body
+    against: Body | None
     start: Transformation3d | None
 
     def pose(self) -> Transformation3d:
@@ -115,7 +116,7 @@ def joints_of(robot: Robot, names: Names) -> list[Joint]:
     base = names.base(robot)
     frames = {names.own(one) for one in components} | {names.odom(robot), base}
     #: object of a part to its frame, and the offset of the frame
-    above: dict[int, tuple[str, object, Sequence[float]]] = {}
+    above: dict[int, tuple[str, Body, Sequence[float]]] = {}
     joints: list[Joint] = []
     for owner, parts in owners:
         for part in parts:
@@ -137,7 +138,7 @@ def joints_of(robot: Robot, names: Names) -> list[Joint]:
 _NOTHING = (0.0, 0.0, 0.0)
 
 
-def _is_body(part: MovingPart, robot: Any) -> bool:
+def _is_body(part: MovingPart, robot: Object) -> bool:
     """Whether a part is the body of the robot itself, with the same frame."""
     if part.type != FIXED or part.parent is not None:
         return False
@@ -145,7 +146,7 @@ def _is_body(part: MovingPart, robot: Any) -> bool:
     return max(abs(value) for value in (pose.x, pose.y, pose.z, pose.yaw, pose.pitch, pose.roll)) < _SAME
 
 
-def _name(owner: Any, joint: str, *, single: bool) -> str:
+def _name(owner: Object, joint: str, *, single: bool) -> str:
     return joint if single or owner.robot_parent is None else f"{relative_name(owner)}/{joint}".replace(".", "/")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 from weakref import WeakKeyDictionary
 
 from morse.core.declarations import Option
@@ -90,9 +90,9 @@ def checked_topic(topic: str, what: str) -> str:
     return topic
 
 
-def robot_of(component: Any) -> Any:
+def robot_of(component: Any) -> Robot:
     """The robot of a component; a robot itself."""
-    return component.robot_parent or component
+    return cast("Robot", component.robot_parent or component)
 
 
 class Names:
@@ -154,7 +154,7 @@ class Names:
         # a sensor may be named odom: a frame can have only one parent
         return f"{self.prefix(component.robot_parent)}{name}{'_link' if name in _TAKEN else ''}"
 
-    def part(self, owner: Any, joint: str) -> str:
+    def part(self, owner: Object, joint: str) -> str:
         """The frame of a part that a joint of a robot or of a component moves."""
         if owner.robot_parent is None:
             return f"{self.prefix(owner)}{_part(joint)}"

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import Message
     from morse.core.values import RosMessage
+    from morse.core.world import Body
 
 
 def _plain(value: object) -> object:
@@ -229,6 +230,6 @@ OPTICAL_TURN = (0.5, -0.5, 0.5, -0.5)
 OPTICAL_INVERSE = inverse(pose_of((0.0, 0.0, 0.0), OPTICAL_TURN))
 
 
-def between(robot: Any, obj: Any) -> Transformation3d:
+def between(robot: Body, obj: Body) -> Transformation3d:
     """The pose of an object in the frame of another object."""
     return Transformation3d(robot).transformation3d_with(Transformation3d(obj))

@@ -19,7 +19,7 @@ from morse.rosmsgs.parts import as_json, from_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.core.values import DecodedMessage, RosMessage, Value
+    from morse.core.values import DecodedMessage, RosMessage
 
 
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
@@ -57,7 +57,7 @@ class Call:
         else:
             self.type = SET_PARAMETERS
 
-    def arguments(self, request: DecodedMessage) -> list[Value]:
+    def arguments(self, request: DecodedMessage) -> list[object]:
         """The arguments in the order of the service.
 
         Raises:
@@ -67,7 +67,7 @@ class Call:
             return []
         if self.type == SET_BOOL:
             return [bool(request["data"])]
-        result: DecodedMessage = {}
+        result: RosMessage = {}
         for one in request["parameters"]:
             name = one["name"]
             if name not in self._parameters:

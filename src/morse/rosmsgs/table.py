@@ -85,10 +85,10 @@ class Inlet(NamedTuple):
     also: str = ""
     or_none: bool = False
     other: Inlet | None = None
-    call: Callable[[DecodedMessage], tuple[str, list[Any]] | None] | None = None
+    call: Callable[[DecodedMessage], tuple[str, list[object]] | None] | None = None
 
 
-_F = TypeVar("_F", bound="Callable[..., Any]")
+_F = TypeVar("_F", bound="Callable[..., object]")
 
 #: attribute of a method that describes topics
 _MARK = "_morse_topics"

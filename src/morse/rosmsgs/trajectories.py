@@ -112,7 +112,7 @@ class TrajectoryGoals:
     plain: Callable[[RosObject], RosMessage]
     result_class: type[Any]
 
-    def arguments(self, goal: RosObject) -> list[Any]:
+    def arguments(self, goal: RosObject) -> list[object]:
         """See `ActionServer.arguments`.
 
         Raises:

@@ -6,7 +6,7 @@ Source of the format: wiki.ros.org/urdf/XML.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,9 +17,13 @@ from morse.scene.body import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
+    from xml.etree.ElementTree import Element
+
+    from numpy.typing import NDArray
 
     from morse.core.world import Body
     from morse.rosmsgs.moving import Joint
+    from morse.scene import Node
 
 _ONE_AXIS = ("continuous", "revolute", "prismatic")
 _GREY = (0.6, 0.6, 0.6, 1.0)
@@ -36,12 +40,12 @@ class Carried(NamedTuple):
         moves: whether it is on another component, which may move it.
     """
 
-    object: Any
+    object: Body
     pose: Transformation3d
     moves: bool
 
 
-def describe(name: str, robot: Any, base: str, joints: list[Joint], components: Mapping[str, Carried]) -> str:
+def describe(name: str, robot: Body, base: str, joints: list[Joint], components: Mapping[str, Carried]) -> str:
     """The text of a URDF.
 
     Args:
@@ -65,7 +69,7 @@ def describe(name: str, robot: Any, base: str, joints: list[Joint], components: 
     return ElementTree.tostring(model, encoding="unicode")
 
 
-def add_fixed(model: Any, name: str, parent: str, frame: str, pose: Transformation3d, *, moves: bool) -> None:
+def add_fixed(model: Element, name: str, parent: str, frame: str, pose: Transformation3d, *, moves: bool) -> None:
     """Add a joint that is fixed, or that moves in any way."""
     joint = ElementTree.SubElement(model, "joint", name=name, type="floating" if moves else "fixed")
     ElementTree.SubElement(joint, "parent", link=parent)
@@ -73,7 +77,7 @@ def add_fixed(model: Any, name: str, parent: str, frame: str, pose: Transformati
     joint.append(_origin(pose))
 
 
-def _add_joint(model: Any, joint: Joint) -> None:
+def _add_joint(model: Element, joint: Joint) -> None:
     part = joint.part
     element = ElementTree.SubElement(model, "joint", name=joint.name, type=part.type)
     ElementTree.SubElement(element, "parent", link=joint.parent)
@@ -90,7 +94,7 @@ def _add_joint(model: Any, joint: Joint) -> None:
         ElementTree.SubElement(element, "limit", limits)
 
 
-def _add_link(model: Any, frame: str, obj: Any, owners: Mapping[int, str], place: Transformation3d) -> None:
+def _add_link(model: Element, frame: str, obj: Body, owners: Mapping[int, str], place: Transformation3d) -> None:
     link = ElementTree.SubElement(model, "link", name=frame)
     for part in _own_parts(obj, frame, owners):
         pose = place.transformation3d_with(Transformation3d(part))
@@ -106,7 +110,7 @@ def _add_link(model: Any, frame: str, obj: Any, owners: Mapping[int, str], place
                     ElementTree.SubElement(material, "color", rgba=_numbers(_color(part.node)))
 
 
-def _own_parts(obj: Body, frame: str, owners: Mapping[int, str]) -> Iterator[Any]:
+def _own_parts(obj: Body, frame: str, owners: Mapping[int, str]) -> Iterator[Body]:
     """The object and its descendants, except for those with their own link."""
     yield obj
     for child in obj.children:
@@ -114,7 +118,7 @@ def _own_parts(obj: Body, frame: str, owners: Mapping[int, str]) -> Iterator[Any
             yield from _own_parts(child, frame, owners)
 
 
-def _shapes(part: Any) -> Iterable[CollisionShape]:
+def _shapes(part: Body) -> Iterable[CollisionShape]:
     if part.node.shapes:
         return list(part.node.shapes)
     mesh = part.node.mesh
@@ -124,7 +128,7 @@ def _shapes(part: Any) -> Iterable[CollisionShape]:
     return (_box(np.asarray(mesh.vertices, dtype=np.float64) * scale),)
 
 
-def _box(points: Any) -> CollisionShape:
+def _box(points: NDArray[np.float64]) -> CollisionShape:
     """The box around points (N, 3)."""
     low, high = points.min(axis=0), points.max(axis=0)
     x, y, z = ((low + high) / 2.0).tolist()
@@ -148,7 +152,7 @@ def _placed(pose: Transformation3d, shape: CollisionShape) -> Transformation3d:
     return product(pose, own)
 
 
-def _geometry(shape: CollisionShape) -> Any:
+def _geometry(shape: CollisionShape) -> Element:
     element = ElementTree.Element("geometry")
     if shape.kind is ShapeKind.CONVEX:
         shape = _box(np.asarray(shape.vertices))
@@ -167,7 +171,7 @@ def _geometry(shape: CollisionShape) -> Any:
     return element
 
 
-def _color(node: Any) -> tuple[float, ...]:
+def _color(node: Node) -> tuple[float, ...]:
     if node.color is not None:
         return tuple(node.color)
     for material in (*node.materials, *(node.mesh.materials if node.mesh is not None else ())):
@@ -178,7 +182,7 @@ def _color(node: Any) -> tuple[float, ...]:
     return _GREY
 
 
-def _origin(pose: Transformation3d) -> Any:
+def _origin(pose: Transformation3d) -> Element:
     rpy = (pose.euler.x, pose.euler.y, pose.euler.z)
     return ElementTree.Element("origin", xyz=_numbers((pose.x, pose.y, pose.z)), rpy=_numbers(rpy))
 

@@ -12,13 +12,12 @@ from morse.core.reports.quoting import closest, nearest, shown
 from morse.core.units import UnitError, conversion
 
 if TYPE_CHECKING:
-    from morse.core.values import Value
     from collections.abc import Callable, Collection, Mapping
 
     from morse.core.declarations import DataField
     from morse.core.kinds.table import Slot
     from morse.core.object import Object
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
 
 #: what the conversion between frames leaves of a zero
 _ROUNDING = 1e-9

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
-    from morse.core.values import Value
     from morse.rosmsgs.actions import Progress
     from morse.rosmsgs.topics.backend import Backend, RosClass, RosObject
 
@@ -36,7 +35,7 @@ class _Goal:
         self.call: Any = None
         self.is_canceled = False
         self.result: Any = None
-        self.waiting: list[Any] = []
+        self.waiting: list[object] = []
 
 
 class ActionServer:
@@ -56,7 +55,7 @@ class ActionServer:
         backend: Backend,
         path: str,
         kind: RosClass,
-        begin: Callable[..., Any],
+        begin: Callable[..., object],
         abort: Callable[[Any], object],
         feedback: Progress,
     ) -> None:
@@ -80,7 +79,7 @@ class ActionServer:
         """Whether a goal may begin."""
         return True
 
-    def arguments(self, goal: RosObject) -> list[Value]:
+    def arguments(self, goal: RosObject) -> list[object]:
         """The arguments of the service for a goal."""
         return [goal]
 
@@ -164,7 +163,7 @@ class ActionServer:
         info.stamp.sec, info.stamp.nanosec = goal.stamp // _SECOND, goal.stamp % _SECOND
         return info
 
-    def _ended(self, goal: _Goal, outcome: tuple[str, Any]) -> None:
+    def _ended(self, goal: _Goal, outcome: tuple[str, object]) -> None:
         state, _ = outcome
         goal.status = _SUCCEEDED if state == SUCCESS else _CANCELED if state == PREEMPTED else _ABORTED
         goal.result = self.result(outcome, is_canceled=goal.is_canceled)

@@ -118,7 +118,7 @@ class Parameters(Served):
     """
 
     def __init__(
-        self, context: Context, backend: Backend, components: Callable[[], Iterable[str]], call: Callable[..., Any]
+        self, context: Context, backend: Backend, components: Callable[[], Iterable[str]], call: Callable[..., object]
     ) -> None:
         self._properties, self._call = PropertyTable(context.component, components), call
         handlers = {
@@ -171,7 +171,7 @@ class Parameters(Served):
 
     # -- setting -----------------------------------------------------------------------------
 
-    def _checked(self, entry: DecodedMessage) -> tuple[str, str, Any] | str:
+    def _checked(self, entry: DecodedMessage) -> tuple[str, str, object] | str:
         """Component, property and value; or why a parameter is refused."""
         name = entry["name"]
         one = self._parameter(name)

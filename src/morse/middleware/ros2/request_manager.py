@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.core.values import RosMessage, Value
+    from morse.core.values import RosMessage
     from morse.middleware.ros2.domain import Served
     from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
@@ -140,7 +140,7 @@ class Ros2RequestManager(AnsweredRequests):
             self._complaints.log(logging.INFO, TRAJECTORY_ACTION, text)
             return
 
-        def begin(arguments: list[Value], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+        def begin(arguments: list[object], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
             return self.call(component, TRAJECTORY_SERVICE, arguments, on_end)
 
         server = TrajectoryActionServer(
@@ -158,7 +158,7 @@ class Ros2RequestManager(AnsweredRequests):
             return False
         self._withdraw(key)
 
-        def begin(arguments: list[Value], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+        def begin(arguments: list[object], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
             return self.call(component, name, arguments, on_end)
 
         if action is not None:

@@ -60,7 +60,7 @@ class StepsServer(ActionServer):
         """See `ActionServer.accepts`."""
         return not self._progress.is_running
 
-    def arguments(self, goal: RosObject) -> list[Any]:
+    def arguments(self, goal: RosObject) -> list[object]:
         """See `ActionServer.arguments`."""
         return [int(self.plain(goal)["steps"])]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 import numpy as np
@@ -140,7 +140,7 @@ class SavedTexture(_Part):
 class SavedObject(_Part, omit_defaults=True):
     """The differences of an object from the scene: properties, looks, pose relative to its parent."""
 
-    properties: dict[str, object] | None = None
+    properties: dict[str, Any] | None = None
     visible: bool | None = None
     color: tuple[float, float, float, float] | None = None
     texture: SavedTexture | None = None

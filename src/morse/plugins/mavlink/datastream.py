@@ -40,11 +40,14 @@ if TYPE_CHECKING:
     from morse.core.interfaces import Carrier
     from morse.core.kinds import BoundKind
     from morse.core.object import Object
-    from morse.core.values import Fields, Options
+    from morse.core.values import Options
     from morse.plugins.mavlink.framing import Frame, MavlinkMessage
     from morse.plugins.mavlink.links import Link
     from morse.plugins.mavlink.vehicle import MavlinkStream
     from morse.scene import StreamDeclaration
+
+    #: values of slots of a kind
+    _Slots = dict[str, object]
 
 
 #: bits of type_mask: fields to ignore
@@ -69,11 +72,11 @@ class CommandKinds:
     """The part of the stream manager for commands; each method returns slots, or None."""
 
     @maps("attitude", direction="IN")
-    def take_attitude(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
+    def take_attitude(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> _Slots | None:
         """SET_ATTITUDE_TARGET."""
         if message.get_type() != "SET_ATTITUDE_TARGET":
             return None
-        slots: Fields = {}
+        slots: _Slots = {}
         by_rate = bound.has("rates")
         if not message.type_mask & _NO_ATTITUDE:
             quaternion = stream.axes_of(bound.frame).quaternion(_unit(message.q))
@@ -88,7 +91,7 @@ class CommandKinds:
         return slots
 
     @maps("actuators", direction="IN")
-    def take_actuators(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
+    def take_actuators(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> _Slots | None:
         """HIL_ACTUATOR_CONTROLS."""
         if message.get_type() != "HIL_ACTUATOR_CONTROLS":
             return None
@@ -99,7 +102,7 @@ class CommandKinds:
         return {"values": [0.0 if math.isnan(value) else value * full for value in message.controls[:count]]}
 
     @maps("fix", direction="IN")
-    def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
+    def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> _Slots | None:
         """SET_POSITION_TARGET_GLOBAL_INT; without a geoid, altitudes are above the ellipsoid."""
         if message.get_type() != "SET_POSITION_TARGET_GLOBAL_INT" or message.type_mask & _NO_POSITION:
             return None
@@ -110,7 +113,7 @@ class CommandKinds:
         return {name: _finite(value) for name, value in place.items()}
 
     @maps("general", direction="IN")
-    def take_general(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
+    def take_general(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> _Slots | None:
         """NAMED_VALUE_FLOAT with the name of a field."""
         if message.get_type() != "NAMED_VALUE_FLOAT" or bound.kind.name != "general":
             return None

@@ -182,7 +182,7 @@ def _feedback_of(callback: Callable[..., object], action: RosClass) -> Feedback:
     return Feedback(callback, kind, kinds, lambda fields: message(kind._type, fields))
 
 
-def _fields(request: RosObject) -> list[Any]:
+def _fields(request: RosObject) -> list[object]:
     return [getattr(request, name) for name in request.__slots__]
 
 

@@ -184,7 +184,7 @@ class RosStream(TopicStream):
         """See `TopicStream.child_frame_id`."""
         return str(self.kwargs["child_frame_id"] or _CHILD) if self._is_of_1_4() else super().child_frame_id()
 
-    def ports(self, bound: BoundKind) -> list[Any]:
+    def ports(self, bound: BoundKind) -> list[Outlet]:
         """See `TopicStream.ports`; the option ``topic_suffix`` replaces ``image``."""
         suffix = self.kwargs["topic_suffix"]
         outlets = super().ports(bound)

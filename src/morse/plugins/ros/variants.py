@@ -64,7 +64,7 @@ _INFRARED = 1
 class PosePublisher(RosStream):
     """``geometry_msgs/Pose``, without stamp and frame."""
 
-    def ports(self, bound: BoundKind) -> list[Any]:
+    def ports(self, bound: BoundKind) -> list[Outlet]:
         """See `TopicStream.ports`."""
         if bound.kind.name != "pose" or not bound.has("orientation"):
             return super().ports(bound)
@@ -74,7 +74,7 @@ class PosePublisher(RosStream):
 class PoseWithCovarianceStampedPublisher(RosStream):
     """A pose with the covariance of its noise; all zeros if it is unknown."""
 
-    def ports(self, bound: BoundKind) -> list[Any]:
+    def ports(self, bound: BoundKind) -> list[Outlet]:
         """See `TopicStream.ports`."""
         if bound.kind.name != "pose" or bound.has("covariance") or not bound.has("orientation"):
             return super().ports(bound)
@@ -89,7 +89,7 @@ class PoseWithCovarianceStampedPublisher(RosStream):
 class _OnlyTransforms(RosStream):
     """No messages of its own."""
 
-    def ports(self, bound: BoundKind) -> list[Any]:
+    def ports(self, bound: BoundKind) -> list[Outlet]:
         """See `TopicStream.ports`."""
         return []
 
@@ -138,7 +138,7 @@ class StaticTF2Publisher(StaticTFPublisher):
 class TwistPublisher(RosStream):
     """The velocity of an accelerometer as ``TwistStamped``, without the angular velocity, which is not measured."""
 
-    def ports(self, bound: BoundKind) -> list[Any]:
+    def ports(self, bound: BoundKind) -> list[Outlet]:
         """See `TopicStream.ports`."""
         if bound.kind.name != "accel":
             return super().ports(bound)
@@ -165,7 +165,7 @@ class PointCloud2Publisher(RosStream):
 class RangePublisher(RosStream):
     """The shortest distance of a laser scanner as ``Range``."""
 
-    def ports(self, bound: BoundKind) -> list[Any]:
+    def ports(self, bound: BoundKind) -> list[Outlet]:
         """See `TopicStream.ports`."""
         if bound.kind.name != "scan":
             return super().ports(bound)
@@ -197,7 +197,7 @@ class Pose2DReader(RosStream):
 class SemanticCameraPublisherLisp(RosStream):
     """The recognised objects as a list of Lisp, see `as_lisp`."""
 
-    def ports(self, bound: BoundKind) -> list[Any]:
+    def ports(self, bound: BoundKind) -> list[Outlet]:
         """See `TopicStream.ports`."""
         if bound.kind.name != "detections":
             return super().ports(bound)

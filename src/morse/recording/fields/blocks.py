@@ -128,7 +128,7 @@ def _packed(value: object) -> bytes:
     return _encoder.encode((value if type(value) is Written else _keeper.written(value)).data)
 
 
-class Fields(NamedTuple):
+class Measurement(NamedTuple):
     """The data fields of a component in one tick.
 
     Attributes:
@@ -139,7 +139,7 @@ class Fields(NamedTuple):
 
     tick: int
     time: int
-    values: dict[str, Any]
+    values: dict[str, object]
 
 
 class ReadBlock:
@@ -177,7 +177,7 @@ class ReadBlock:
     def __len__(self) -> int:
         return len(self.times)
 
-    def row(self, index: int) -> Fields:
+    def row(self, index: int) -> Measurement:
         """Return the fields of a tick.
 
         Raises:
@@ -187,7 +187,7 @@ class ReadBlock:
             values = {name: read(index) for name, read in zip(self.names, self._readers, strict=True)}
         except _DAMAGED as error:
             raise self._damaged(error) from None
-        return Fields(int(self._ticks[index]), int(self.times[index]), values)
+        return Measurement(int(self._ticks[index]), int(self.times[index]), values)
 
     def until(self, time: int) -> int:
         """Return the number of ticks whose log time is not later than a time, ns."""
@@ -239,7 +239,7 @@ class RecordedFields:
     def __contains__(self, name: str) -> bool:
         return name in self._channels
 
-    def last(self, name: str, until: int) -> Fields | None:
+    def last(self, name: str, until: int) -> Measurement | None:
         """The fields of a component at its last measurement whose log time is not later than ``until``, ns.
 
         Returns:

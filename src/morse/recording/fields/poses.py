@@ -247,7 +247,7 @@ def world_of(
     """Return what is written, and the objects whose mountings are needed."""
     bases = [frame for frame in frames or () if frame.start is not None]
     others = [frame for frame in frames or () if frame.start is None]
-    objects = [*nodes, *(one.object for one in (*bases, *others)), *(one.against for one in others)]
+    objects: list[Any] = [*nodes, *(one.object for one in (*bases, *others)), *(one.against for one in others)]
     numbers = [[*position, *rotation] for position, rotation in (one.start.get_pose() for one in bases if one.start)]
     names = None if frames is None else [(one.parent, one.child) for one in (*bases, *others)]
     slots = np.array([one.slot for one in objects], dtype=np.intp)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
 
-class Fields:
+class RecordBytes:
     """The content of one record.
 
     Args:
@@ -63,7 +63,7 @@ class Fields:
     def table(self) -> dict[str, str]:
         """A map of strings."""
         (size,) = self.numbers("<I")
-        inner = Fields(self.bytes(size), self._what)
+        inner = RecordBytes(self.bytes(size), self._what)
         entries = {}
         while inner.left:
             key = inner.text()
@@ -253,7 +253,7 @@ class McapFile:
         elif opcode == records.MESSAGE:
             raise self._damaged("its messages are not in chunks; `morse` only reads files with chunks")
 
-    def _describe(self, opcode: int, fields: Fields) -> None:
+    def _describe(self, opcode: int, fields: RecordBytes) -> None:
         if opcode == records.SCHEMA:
             (number,) = fields.numbers("<H")
             name, encoding = fields.text(), fields.text()
@@ -266,11 +266,11 @@ class McapFile:
             name, definition, schema_encoding = self._schemas.get(schema, ("", "", ""))
             self.channels[number] = Channel(number, topic, name, definition, encoding, schema_encoding, fields.table())
 
-    def _content(self, opcode: int, length: int) -> Fields:
+    def _content(self, opcode: int, length: int) -> RecordBytes:
         what = f"{self.path}: {_NAMES.get(opcode, 'a record')}"
         if length > LARGEST:
             raise RecordingError(f"{what} has {length} bytes; more than {LARGEST >> 20} MiB are not read")
-        return Fields(self._file.read(length), what)
+        return RecordBytes(self._file.read(length), what)
 
     # -- messages ----------------------------------------------------------------------------
 
@@ -299,10 +299,10 @@ class McapFile:
         """
         for opcode, content in self._counted(chunk):
             if opcode in (records.SCHEMA, records.CHANNEL):
-                self._describe(opcode, Fields(content, f"{self.path}: a record in a chunk"))
+                self._describe(opcode, RecordBytes(content, f"{self.path}: a record in a chunk"))
             if opcode != records.MESSAGE:
                 continue
-            fields = Fields(content, f"{self.path}: a message")
+            fields = RecordBytes(content, f"{self.path}: a message")
             number, sequence, log_time, publish_time = fields.numbers("<HIQQ")
             if channels is None or number in channels:
                 yield Message(number, sequence, log_time, publish_time, bytes(fields.bytes(fields.left)))
@@ -343,7 +343,7 @@ class McapFile:
                 return messages[-1]
         return None
 
-    def _plain(self, place: Chunk) -> Fields:
+    def _plain(self, place: Chunk) -> RecordBytes:
         self._file.seek(place.offset)
         fields = self._content(records.CHUNK, place.size)
         _, _, size, checksum = fields.numbers("<QQQI")
@@ -364,7 +364,7 @@ class McapFile:
             plain = bytes(data)
         if len(plain) != size or (checksum and zlib.crc32(plain) != checksum):
             raise self._damaged(f"the chunk at byte {place.offset} is damaged")
-        return Fields(plain, f"{self.path}: the chunk at byte {place.offset}")
+        return RecordBytes(plain, f"{self.path}: the chunk at byte {place.offset}")
 
     def _decompressed(self, data: memoryview, size: int) -> bytes:
         # the declared size in the frame may be wrong: never read more than the chunk has declared

@@ -71,7 +71,7 @@ def encoding_of(stream: Carrier, bound: BoundKind) -> tuple[str, str | None]:
     return "16UC1" if options.get("depth16") else str(options.get("encoding") or own), unit
 
 
-def _own(bound: BoundKind) -> tuple[Any, Any]:
+def _own(bound: BoundKind) -> tuple[object, str | None]:
     """The encoding and the unit of the images of a component."""
     words = {slot.name: source.get(bound.component) for slot, source in bound.sources if slot.name != "pixels"}
     return words.get("encoding"), words.get("unit")
@@ -307,7 +307,9 @@ def _cloud(message: Message, frame: str) -> RosMessage:
     points = message.points
     height, width = points.shape[:2] if points.ndim == 3 else (1, len(points))
     count = height * width
-    columns: list[tuple[str, int, str, Any]] = [(axis, _FLOAT32, "<f4", points[..., i]) for i, axis in enumerate("xyz")]
+    columns: list[tuple[str, int, str, np.ndarray]] = [
+        (axis, _FLOAT32, "<f4", points[..., i]) for i, axis in enumerate("xyz")
+    ]
     if message.intensity is not None:
         columns.append(("intensity", _FLOAT32, "<f4", message.intensity))
     if message.color is not None:
@@ -334,7 +336,7 @@ def _cloud(message: Message, frame: str) -> RosMessage:
     }
 
 
-def _packed(color: Any) -> object:
+def _packed(color: np.ndarray) -> np.ndarray:
     """Red, green and blue in the bits of a number, as in rviz."""
     red, green, blue = (color[..., i].astype(np.uint32) for i in range(3))
     return red << 16 | green << 8 | blue

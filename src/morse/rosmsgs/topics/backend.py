@@ -76,7 +76,7 @@ class ServiceServer(ABC):
     """Receives the calls of a service."""
 
     @abstractmethod
-    def take(self, most: int) -> list[tuple[Any, DecodedMessage]]:
+    def take(self, most: int) -> list[tuple[object, DecodedMessage]]:
         """The received calls, oldest first, up to a maximum number: the caller, and the request; non-blocking."""
 
     @abstractmethod

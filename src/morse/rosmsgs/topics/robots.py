@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from morse.rosmsgs.component import ComponentMessages
     from morse.rosmsgs.moving import Joint
     from morse.rosmsgs.topics.backend import Publisher
+    from morse.rosmsgs.topics.manager import TopicManager
 
 
 def describe_file(
@@ -97,7 +98,7 @@ class Robots:
         stating: robots with a topic of joint states.
     """
 
-    def __init__(self, manager: Any) -> None:
+    def __init__(self, manager: TopicManager) -> None:
         self._manager = manager
         self._robots: dict[str, _Robot] = {}
         self.changed: set[str] = set()

@@ -10,7 +10,6 @@ from morse.core.kinds.turning import quaternion_of
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
-    from morse.core.values import Fields
     from morse.mathutils.rotations import Rotation9, Triple
     from morse.plugins.mavlink.axes import Place
     from morse.plugins.mavlink.vehicle import MavlinkStream
@@ -65,7 +64,7 @@ class Helm(ABC):
 
     def __init__(self, stream: MavlinkStream, bound: BoundKind, place: Place) -> None:
         self.stream, self._bound, self._place = stream, bound, place
-        self._last: Fields = {}
+        self._last: dict[str, object] = {}
 
     @abstractmethod
     def goto(self, goal: Triple, yaw: float | None, speeds: Speeds, now: Motion) -> None:
@@ -124,7 +123,7 @@ class GoalHelm(Helm):
 
     def _command(self, goal: Triple, yaw: float | None, speed: float) -> None:
         bound = self._bound
-        slots: Fields = {}
+        slots: dict[str, object] = {}
         axes = self.stream.axes_of(bound.frame)
         slots["position"] = axes.vector(self._place.axes.vector(goal))
         if bound.has("orientation") and yaw is not None:
