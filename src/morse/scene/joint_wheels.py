@@ -107,14 +107,16 @@ def joint_wheels(robot: Node) -> list[JointWheel]:
             if bone.kind is not JointKind.REVOLUTE:
                 continue
             axis, origin = axes[index], matmul(turn, np.array(frames[index][0])) + place
-            centre, radius, is_centred, rounds = _extent(links.get(bone.name), base, origin, axis)
+            behind = _behind(bones, index)
+            whole = [links[one.name] for one, is_rigid in behind if is_rigid and one.name in links]
+            centre, radius, is_centred, rounds = _extent(whole, base, origin, axis)
             x, y, z = centre.tolist()
-            for carried in _carried(bones, index):
-                for _, _, _, points in _clouds(links.get(carried.name), base):
+            for carried in [links[one.name] for one, is_rigid in behind if not is_rigid and one.name in links]:
+                for _, _, _, points in _clouds(carried, base):
                     is_centred = is_centred and _distances(points - origin, axis).max() < _CARRIED * radius
             is_endless = bone.dynamics is not None and not bone.dynamics.limited and bone.leader < 0
             carrier = _carrier(bones, index, axes)
-            frictions = [part.body.friction for part in _parts(links.get(bone.name)) if part.shapes]
+            frictions = [part.body.friction for link in whole for part in _parts(link) if part.shapes]
             wheels.append(
                 JointWheel(
                     bone.name,
@@ -170,11 +172,14 @@ def dragging_links(robot: Node, driven: Sequence[JointWheel]) -> list[tuple[str,
     base, found = rigid_frame(robot), []
     for armature in robot.walk():
         limited: set[str] = set()
+        rolling = {wheel.joint for wheel in driven}
         for bone in armature.bones:
+            if bone.name in rolling or (bone.parent >= 0 and armature.bones[bone.parent].name in rolling):
+                rolling.add(bone.name)
+                continue
             moves = bone.kind is not JointKind.FIXED and bone.dynamics is not None and bone.dynamics.limited
             if moves or (bone.parent >= 0 and armature.bones[bone.parent].name in limited):
                 limited.add(bone.name)
-        limited -= {wheel.joint for wheel in driven}
         for link in armature.children:
             clouds = [points for _, _, _, points in _clouds(link, base)] if link.bone in limited else []
             lowest = min((float(points[:, 2].min()) for points in clouds), default=ground + 1.0)
@@ -204,13 +209,13 @@ def _carrier(bones: Sequence[Bone], index: int, axes: Sequence[_Points]) -> str:
     return ""
 
 
-def _carried(bones: Sequence[Bone], index: int) -> list[Bone]:
-    """The bones behind one."""
-    behind = {index}
+def _behind(bones: Sequence[Bone], index: int) -> list[tuple[Bone, bool]]:
+    """A bone and those behind it, and whether they are fixed to it, as tyres are to the hubs of some files."""
+    found = {index: True}
     for other, bone in enumerate(bones):
-        if bone.parent in behind:
-            behind.add(other)
-    return [bones[other] for other in sorted(behind - {index})]
+        if bone.parent in found:
+            found[other] = found[bone.parent] and bone.kind is JointKind.FIXED
+    return [(bones[other], is_rigid) for other, is_rigid in found.items()]
 
 
 def _relative(node: Node, base: RigidFrame) -> tuple[_Points, _Points]:
@@ -224,12 +229,12 @@ def _array(matrix: Iterable[Iterable[float]]) -> _Points:
 
 
 def _extent(
-    link: Node | None, base: RigidFrame, origin: _Points, axis: _Points
+    links: Sequence[Node], base: RigidFrame, origin: _Points, axis: _Points
 ) -> tuple[_Points, float, bool, tuple[tuple[Node, CollisionShape], ...]]:
     """The centre of a wheel in the frame of the robot, its radius, m, whether the axle is there, and round shapes."""
     clouds: list[_Points] = []
     rounds: list[tuple[Node, CollisionShape]] = []
-    for node, shape, turn, cloud in _clouds(link, base):
+    for node, shape, turn, cloud in (part for link in links for part in _clouds(link, base)):
         points = cloud - origin
         if _is_round(shape, turn, points.mean(axis=0), axis):
             rounds.append((node, shape))

@@ -240,3 +240,21 @@ def test_steered_wheels_are_named(robot, caplog, kind, ends, is_named) -> None:
     with caplog.at_level(logging.WARNING):
         robot(BASE + ROUND + front)
     assert ("MotionVWAckermann drives such a robot" in caplog.text) == is_named
+
+
+def _hub_and_tyre(radius: float) -> str:
+    """Wheels whose joint turns a hub, to which a tyre is fixed."""
+    return "".join(
+        _link(f"hub_{side}", 0.3, f'<cylinder radius="{radius}" length="0.02"/>', _LYING)
+        + _joint(f"{side}_joint", "continuous", f"hub_{side}", f'xyz="0 {y} 0.1"')
+        + _link(f"tyre_{side}", 0.2, CYLINDER, _LYING)
+        + _joint(f"{side}_fixed", "fixed", f"tyre_{side}", 'xyz="0 0 0"', parent=f"hub_{side}")
+        for side, y in (("left", 0.15), ("right", -0.15))
+    )
+
+
+@pytest.mark.parametrize("radius", [0.07, 0.02])
+def test_a_tyre_that_is_fixed_to_a_hub_is_the_wheel(robot, radius) -> None:
+    distance, turned = driven(robot(BASE + _hub_and_tyre(radius) + REAR + FRONT))
+    assert distance == pytest.approx(1.2, rel=0.02)
+    assert turned == pytest.approx(1.0, rel=0.05)
