@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from many_scenes import block
@@ -15,6 +16,8 @@ from tests.kit.effort import examples
 from tests.kit.programs import python
 
 MODEL = Path(__file__).parent / "spider.xml"
+#: where programs of these tests find this module
+PATHS = os.pathsep.join([str(MODEL.parent), str(MODEL.parents[2]), *sys.path])
 JOINTS = ("hip_a", "knee_a", "hip_b", "knee_b", "hip_c", "knee_c")
 FIELDS = {"robot.legs.angles": (), "robot.pose": ("x", "z", "roll", "yaw"), "robot.laser": ("range_list",)}
 PLACES = [(0.0, 0.0, 0.0), (0.6, 0.5, 2.0), (-0.4, -0.5, 0.4, 0.3, 0.2, 1.0)]
@@ -193,7 +196,33 @@ with morse.batch(partial(meadow, 'effort'), 6) as many:
 
 
 def test_threads_make_no_difference():
-    paths = os.pathsep.join([str(MODEL.parent), str(MODEL.parents[2]), *sys.path])
-    one, two = (python("-c", PROGRAM, MORSE_THREADS=number, PYTHONPATH=paths) for number in (1, 2))
+    one, two = (python("-c", PROGRAM, MORSE_THREADS=number, PYTHONPATH=PATHS) for number in (1, 2))
     assert one.stdout, one.stderr
     assert one.stdout == two.stdout
+
+
+FORK = """
+import signal
+from test_joint_step import *
+
+with morse.batch(partial(meadow, 'effort'), 4) as many:
+    legs, pose = many.command('robot.legs'), many.read('robot.pose', 'x', 'y', 'z')
+    for number in range(6):
+        legs[:] = np.sin(np.arange(24).reshape(4, 6) + number)
+        many.step(1, measure=True)
+        if number == 3:
+            child = os.fork()
+            signal.alarm(0 if child else 60)
+    print(pose.tobytes().hex(), flush=True)
+if child:
+    assert os.waitpid(child, 0)[1] == 0
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_a_forked_process_goes_on():
+    """It has none of the threads of the engine."""
+    done = python("-c", FORK, MORSE_THREADS=2, PYTHONPATH=PATHS)
+    assert done.returncode == 0, done.stderr
+    first, second = done.stdout.split()
+    assert first == second

@@ -6,7 +6,9 @@ not change meanwhile: `EngineRows.give_back` sets the state from before the last
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
+from weakref import WeakSet
 
 import mujoco
 import numpy as np
@@ -32,6 +34,18 @@ _BELOW = 5.0
 _NEAR = 0.5
 
 
+_RESTING_AT_FORK: WeakSet[EngineRows] = WeakSet()
+
+
+def _rest_all() -> None:
+    for rows in list(_RESTING_AT_FORK):
+        rows.rest()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_rest_all)
+
+
 class EngineRows:
     """N worlds with models of the same sizes.
 
@@ -49,13 +63,14 @@ class EngineRows:
         groups = len(world.positions)
         self.positions, self.rotations = np.zeros((rows, groups, 3)), np.zeros((rows, groups, 9))
         self._models = [world.model] * rows
-        self._batch = batch = Batch(world.model, rows, threads.count())
+        #: of the engine; None until it is needed again, see `rest`
+        self._batch: Batch | None = None
+        self._state = np.zeros((rows, mujoco.mj_stateSize(world.model, STATE)))
+        self._is_busy = False
         self._worlds: list[World | None] = [None] * rows
         #: model, data and arrays of each world, and where poses are written to
         self._poses: list[tuple[Any, ...]] = [()] * rows
-        self.joints, self.commands = batch.bind("qpos"), batch.bind("ctrl")
-        self._speeds, self._contacts = batch.bind("qvel"), batch.bind("ncon")
-        self._before = batch.state.copy()
+        self._before = self._state.copy()
         self._steps, self._moves = np.zeros(rows, np.int64), np.zeros((rows, groups), bool)
         #: free bodies: the group, and the first of its positions in the engine; the same if no other poses are needed
         self._free: list[tuple[tuple[int, int], ...]] = [()] * rows
@@ -64,6 +79,27 @@ class EngineRows:
         self._most, self._lowest = np.zeros(rows, np.int64), np.zeros(rows)
         #: whether models have changed since the engine has taken note of them
         self._has_news = True
+        self._wake()
+        _RESTING_AT_FORK.add(self)
+
+    def _wake(self) -> Batch:
+        """Return what steps the engine; its threads begin if it rests."""
+        batch = self._batch
+        if batch is None:
+            batch = self._batch = Batch(self._models[0], len(self._models), threads.count())
+            batch.state[:] = self._state
+            self.joints, self.commands = batch.bind("qpos"), batch.bind("ctrl")
+            self._speeds, self._contacts = batch.bind("qvel"), batch.bind("ncon")
+            self._has_news = True
+        return batch
+
+    def rest(self) -> None:
+        """End the threads until the next call, because a process that is forked has none of them, and would wait."""
+        if self._batch is not None and not self._is_busy:
+            self._state[:] = self._batch.state
+            # arrays of the engine would keep its threads
+            self.joints = self.commands = self._speeds = self._contacts = np.zeros((0, 0))
+            self._batch = None
 
     def add(self, row: int, world: World) -> bool:
         """Take the state of a world; return whether nothing but the engine has work in its next ticks."""
@@ -77,7 +113,7 @@ class EngineRows:
         self.positions[row], self.rotations[row] = world.positions.array, world.rotations.array
         if self.positions[row, : world.moving, 2].min(initial=np.inf) < self._lowest[row]:
             return False
-        mujoco.mj_getState(world.model, world.data, self._batch.state[row], STATE)
+        mujoco.mj_getState(world.model, world.data, self._wake().state[row], STATE)
         return bool(poses)
 
     def _fits(self, row: int, world: World) -> bool:
@@ -88,7 +124,7 @@ class EngineRows:
             return False
         self._models[row] = model
         try:
-            self._batch.set_models(self._models)
+            self._wake().set_models(self._models)
         except mujoco.FatalError:
             self._models[row] = before
             return False
@@ -115,10 +151,11 @@ class EngineRows:
 
     def begin(self, rows: NDArray[np.int64]) -> None:
         """Begin a call of one or more ticks: `give_back` returns to this time."""
+        batch = self._wake()
         if self._has_news:
-            self._batch.set_models(self._models)
+            batch.set_models(self._models)
             self._has_news = False
-        self._before[rows] = self._batch.state[rows]
+        self._before[rows] = batch.state[rows]
 
     def run(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Run a tick in some rows.
@@ -129,13 +166,17 @@ class EngineRows:
         Returns:
             For each of the rows, whether nothing has happened that the world itself has to deal with.
         """
-        batch, steps = self._batch, self._steps[rows]
-        for count in set(steps.tolist()):
-            chosen = rows[steps == count]
-            try:
-                batch.step(chosen, count)
-            except SimulationError:
-                batch.warning[chosen, 0, 1] += batch.status[chosen] != 0
+        batch, steps = self._wake(), self._steps[rows]
+        self._is_busy = True
+        try:
+            for count in set(steps.tolist()):
+                chosen = rows[steps == count]
+                try:
+                    batch.step(chosen, count)
+                except SimulationError:
+                    batch.warning[chosen, 0, 1] += batch.status[chosen] != 0
+        finally:
+            self._is_busy = False
         speeds, places = self._speeds[rows], self.joints[rows]
         well: NDArray[np.bool_] = np.einsum("ij,ij->i", speeds, speeds) < (_NEAR * RUNAWAY_SPEED) ** 2
         well &= np.einsum("ij,ij->i", places, places) < (_NEAR * RUNAWAY_DISTANCE) ** 2
