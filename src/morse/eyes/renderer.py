@@ -28,7 +28,7 @@ class Renderer:
     Args:
         model: `mujoco.MjModel`.
         height, width: of the pictures, pixels; at most those of the offscreen buffer of the model.
-        max_geom: largest number of geoms of a scene.
+        max_geom: largest number of geoms of a scene; None for a number that suffices for the model, with 2,000 more.
         font_scale: ignored: texts are not drawn.
         look: ``classic`` for the look of MuJoCo's own renderer, ``morse`` for that of the cameras of MORSE.
 
@@ -41,7 +41,7 @@ class Renderer:
         model: mujoco.MjModel,
         height: int = 240,
         width: int = 320,
-        max_geom: int = 10000,
+        max_geom: int | None = None,
         font_scale: object = None,
         *,
         look: str = "classic",
@@ -60,7 +60,7 @@ class Renderer:
         if look not in LOOKS:
             raise ValueError(f"The look {look!r} does not exist; there are: {', '.join(LOOKS)}.")
         self._model, self._width, self._height = model, width, height
-        self._scene = mujoco.MjvScene(model=model, maxgeom=max_geom)
+        self._scene = mujoco.MjvScene(model=model, maxgeom=_room_for(model) if max_geom is None else max_geom)
         self._geoms = GeomArray(self._scene, three_geoms)
         self._scene_option = mujoco.MjvOption()
         self._artist = Artist(model, look, 2 * max(width, height))
@@ -179,7 +179,7 @@ class Renderer:
         count: int,
         height: int = 240,
         width: int = 320,
-        max_geom: int = 10000,
+        max_geom: int | None = None,
         *,
         look: str = "classic",
     ) -> BatchRenderer:
@@ -309,6 +309,12 @@ _KINDS: dict[str, tuple[tuple[int, ...], type]] = {
     "depth": ((), np.float32),
     "ids": ((2,), np.int32),
 }
+
+
+def _room_for(model: mujoco.MjModel) -> int:
+    """A number of geoms for all elements of a model, and their frames, labels, forces and contacts."""
+    elements = model.ngeom + model.nsite + model.nbody + model.njnt + model.nu + model.ntendon + model.nsensor
+    return int(4 * elements + 2 * model.nwrap + 16 * model.nflex + model.nskin + 2000)
 
 
 def three_geoms() -> mujoco.MjvScene:
