@@ -482,3 +482,14 @@ def test_a_batch_has_the_pictures_of_its_states() -> None:
         batch.render(states)
     with pytest.raises(ValueError, match="at least one"):
         morse.Renderer.batch(model, 0)
+
+
+def test_planes_have_four_squares_along_a_side_at_least() -> None:
+    body = (
+        '<light pos="0 0 .5" dir="0 0 -1" cutoff="60" exponent="10" diffuse="1 1 1" castshadow="false" '
+        'specular="0 0 0"/><geom type="plane" size=".5 .5 10" rgba="1 1 1 1"/>'
+    )
+    picture = _picture(_world(body, visual=_DARK))
+    # the middle is a corner of squares, right below the light
+    assert picture[32, 32, 0] == pytest.approx(255, abs=3)
+    assert picture[32, 50, 0] < 150

@@ -246,8 +246,9 @@ def _parts_of(geom: np.void, number: int, kind: int | None, faces: Sequence[int]
     return parts
 
 
-#: largest number of squares of a plane, along a side in MuJoCo, and in all of those that are drawn here
-_MOST_ASIDE, _MOST_SQUARES = 200, 1024
+#: number of squares of a plane along a side in MuJoCo, at least (the default of ``numquads``) and at most; and the
+#: largest number of those that are drawn here
+_FEWEST_ASIDE, _MOST_ASIDE, _MOST_SQUARES = 4, 200, 1024
 
 
 def _squares(size: Sequence[float]) -> tuple[int, int]:
@@ -258,7 +259,7 @@ def _squares(size: Sequence[float]) -> tuple[int, int]:
 
 def _all_squares(size: Sequence[float]) -> tuple[int, int]:
     spacing = max(float(size[2]), 1e-9)
-    one, other = (int(min(max(math.ceil(2 * float(part) / spacing), 1), _MOST_ASIDE)) for part in size[:2])
+    one, other = (int(min(max(math.ceil(2 * float(part) / spacing), _FEWEST_ASIDE), _MOST_ASIDE)) for part in size[:2])
     return one, other
 
 
