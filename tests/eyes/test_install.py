@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from morse import eyes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 _MODEL = (
     '<mujoco><worldbody><light pos="0 0 2"/><geom type="plane" size="0 0 1"/><camera name="c" pos="0 0 2"/>'
@@ -102,7 +104,27 @@ print("drawn")
 
 
 def test_environments_of_gymnasium_draw_with_one_line_more() -> None:
-    import subprocess
-
     result = subprocess.run([sys.executable, "-c", _GYMNASIUM], capture_output=True, text=True, check=False)
     assert result.stdout.strip() == "drawn", result.stderr
+
+
+@pytest.mark.parametrize("version", ["2.3.7", "3.10.0", "4.1.0", "5.0.0", "11.2", "abc", None])
+def test_other_versions_of_mujoco_are_told(version: str | None) -> None:
+    named = "incomplete" if version is None else f"installed is {version}"
+    with pytest.raises(ImportError, match=rf'from 3\.11 to before 4\.1; .*{named}.*pip install "mujoco>=3\.11,<4\.1"'):
+        eyes.check_version(version)
+
+
+@pytest.mark.parametrize("version", ["3.11.0", "3.17.0", "4.0.1", "4.0.2rc1", mujoco.__version__])
+def test_versions_that_are_supported_pass(version: str) -> None:
+    eyes.check_version(version)
+
+
+def test_the_version_is_checked_before_its_names_are_used(tmp_path: Path) -> None:
+    (tmp_path / "mujoco").mkdir()
+    (tmp_path / "mujoco" / "__init__.py").write_text('__version__ = "3.2.7"\n')
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import morse; morse.Renderer"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    last = result.stderr.strip().splitlines()[-1]
+    assert last.startswith("ImportError: morse.eyes")
+    assert str(tmp_path) in last
