@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import mujoco
@@ -98,3 +99,52 @@ def test_wrong_rays_are_told_or_hit_nothing() -> None:
         morse.Rays(model, [True])
     empty = mujoco.MjModel.from_xml_string("<mujoco/>")
     assert morse.Rays(empty).cast(mujoco.MjData(empty), (0, 0, 0), [[0, 0, 1]]).geoms.tolist() == [-1]
+
+
+def _plate(height: float) -> tuple[Any, Any]:
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><body><joint type="slide" axis="0 0 1"/><geom type="box" size="5 5 .1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    data.qpos[0] = height
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_threads_cast_at_their_own_states() -> None:
+    model, _ = _plate(0.0)
+    rays, ways = morse.Rays(model), np.tile([[0.0, 0.0, -1.0]], (2000, 1))
+
+    def wrong(height: float) -> int:
+        data = _plate(height)[1]
+        far = [rays.cast(data, (0.0, 0.0, 20.0), ways).distances for _ in range(40)]
+        return sum(not np.allclose(row, 19.9 - height) for row in far)
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(wrong, (0.0, 3.0, 7.0, 11.0))) == [0, 0, 0, 0]
+
+
+@pytest.mark.parametrize("length", [1e-250, 1e-160, 1.0, 1e160, 1e300])
+def test_directions_have_any_length(length: float) -> None:
+    model, data = _plate(0.0)
+    hits = morse.Rays(model).cast(data, (0.0, 0.0, 20.0), [[0.0, 0.0, -length], [3e-3 * length, 0.0, -length]])
+    np.testing.assert_allclose(hits.distances, 19.9 / length)
+
+
+def test_states_of_other_models_are_refused() -> None:
+    (model, data), (plate, other) = _state(), _plate(0.0)
+    for known, strange in ((model, other), (plate, data)):
+        with pytest.raises(ValueError, match=r"The state is one of another model: .*ngeom"):
+            morse.Rays(known).cast(strange, (0.0, 0.0, 3.0), [[0.0, 0.0, -1.0]])
+    with pytest.raises(TypeError, match=r"Expected a state, mujoco\.MjData, got NoneType"):
+        morse.Rays(model).cast(None, (0.0, 0.0, 3.0), [[0.0, 0.0, -1.0]])  # type: ignore[arg-type]
+    # models of the same sizes may differ in all else
+    assert morse.Rays(plate).cast(_plate(2.0)[1], (0.0, 0.0, 3.0), [[0.0, 0.0, -1.0]]).distances[0] == pytest.approx(
+        0.9
+    )
+
+
+def test_no_states_have_no_hits() -> None:
+    model, _ = _state()
+    assert morse.Rays(model).cast([], (0.0, 0.0, 3.0), [[0.0, 0.0, -1.0]]).normals.shape == (0, 1, 3)

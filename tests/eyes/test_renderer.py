@@ -493,3 +493,91 @@ def test_planes_have_four_squares_along_a_side_at_least() -> None:
     # the middle is a corner of squares, right below the light
     assert picture[32, 32, 0] == pytest.approx(255, abs=3)
     assert picture[32, 50, 0] < 150
+
+
+# -- what programs get wrong ---------------------------------------------------------------
+
+_LIFT = '<body><joint type="slide" axis="0 0 1"/><geom type="box" size=".3 .3 .1"/></body>'
+
+
+def _lift(height: float = 0.0) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    model = mujoco.MjModel.from_xml_string(_world(_LIFT))
+    data = mujoco.MjData(model)
+    data.qpos[0] = height
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_kinds_of_pictures_have_names() -> None:
+    renderer = morse.Renderer(_lift()[0], 16, 16)
+    with pytest.raises(ValueError, match="The kind of pictures 'colour' does not exist"):
+        renderer.show("colour")
+
+
+def test_states_of_other_models_are_refused() -> None:
+    model, data = _lift()
+    other = mujoco.MjModel.from_xml_string(_world(_LIFT * 50))
+    strange = mujoco.MjData(other)
+    mujoco.mj_forward(other, strange)
+    for known, given in ((model, strange), (other, data)):
+        with morse.Renderer(known, 16, 16) as renderer:
+            with pytest.raises(ValueError, match="The state is one of another model: nq"):
+                renderer.update_scene(given)
+            with pytest.raises(TypeError, match="got NoneType"):
+                renderer.update_scene(None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("size", [10.5, 20.0, "a", None, True, float("nan")])
+def test_sizes_are_integers(size: Any) -> None:
+    with pytest.raises(TypeError, match=r"Image height .* is not an integer"):
+        morse.Renderer(_lift()[0], size, 16)
+
+
+@pytest.mark.parametrize("room", [0, 1])
+def test_a_scene_may_have_no_room(room: int) -> None:
+    model, data = _lift()
+    with morse.Renderer(model, 16, 16, max_geom=room) as renderer:
+        renderer.update_scene(data, 0)
+        assert renderer.render().shape == (16, 16, 3)
+
+
+@pytest.mark.parametrize("number", [-5, 99, 2**31 - 1])
+def test_geoms_may_have_textures_that_do_not_exist(number: int) -> None:
+    def prepare(renderer: Any) -> None:
+        renderer.scene.geoms[0].texid = number
+
+    np.testing.assert_array_equal(_picture(_world(_LIFT), prepare=prepare), _picture(_world(_LIFT)))
+
+
+def test_threads_may_share_a_batch() -> None:
+    model, data = _lift()
+    with morse.Renderer.batch(model, 4, 24, 24) as batch:
+
+        def wrong(height: float) -> int:
+            with morse.Renderer(model, 24, 24) as renderer:
+                renderer.update_scene(_lift(height)[1], 0)
+                expected = renderer.render()
+            return sum((batch.render(np.full((4, 1), height), 0) != expected).any() for _ in range(30))
+
+        with ThreadPoolExecutor(2) as pool:
+            assert list(pool.map(wrong, (0.0, 0.8))) == [0, 0]
+    with pytest.raises(RuntimeError, match="after close"):
+        batch.render([data] * 4)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked on POSIX systems")
+def test_a_process_that_is_forked_draws_batches() -> None:
+    program = f"""
+import os, signal, mujoco, morse
+model = mujoco.MjModel.from_xml_string({_world(_LIFT)!r})
+data = mujoco.MjData(model)
+mujoco.mj_forward(model, data)
+batch = morse.Renderer.batch(model, 3, 16, 16)
+pictures = batch.render([data] * 3)
+child = os.fork()
+if child == 0:
+    signal.alarm(60)
+    os._exit(0 if (batch.render([data] * 3) == pictures).all() else 1)
+raise SystemExit(os.waitpid(child, 0)[1])
+"""
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -87,15 +87,15 @@ class GeomArray:
     def __init__(self, scene: Any, make: Any) -> None:
         self._scene = scene
         geoms = scene.geoms
-        self._all: NDArray[Any] = np.zeros(0, MATERIAL)
+        layout, start = _layout(make)
+        self._all: NDArray[Any] = np.zeros(0, layout)
         if geoms:
-            layout, start = _layout(make)
             memory = (ctypes.c_ubyte * (layout.itemsize * len(geoms))).from_address(_address(geoms[0].pos) + start)
             self._all = np.frombuffer(memory, layout)  # type: ignore[call-overload]
 
     def now(self) -> NDArray[np.void]:
         """(N,) the geoms that are used."""
-        return self._all[: self._scene.ngeom]
+        return self._all[: max(self._scene.ngeom, 0)]
 
 
 class Instances(NamedTuple):
@@ -182,6 +182,11 @@ class Instances(NamedTuple):
         turns = rotation / np.maximum(scales, 1e-12)[:, None, :] * np.maximum(scales.min(axis=1), 1e-12)[:, None, None]
         turns[bad] = 0.0
         return Poses(models.reshape(-1, 12), np.ascontiguousarray(turns.reshape(-1, 9), np.float32))
+
+
+def _textures(g: NDArray[np.void], count: int) -> NDArray[np.int32]:
+    """Numbers of the textures of geoms, -1 for none: geoms that programs append may have any number."""
+    return np.where((g["texid"] >= 0) & (g["texid"] < count), g["texid"], np.int32(-1))
 
 
 def looks_of(g: NDArray[np.void]) -> bytes:
@@ -301,7 +306,7 @@ def instances_of(
         look: makes the materials.
         faces: numbers of triangles of the flexes.
     """
-    texids = g["texid"]
+    texids = _textures(g, len(kinds))
     parts = [
         part
         for number in range(len(g))
@@ -375,10 +380,9 @@ class Look:
         own = g[of_row]
         color = np.nan_to_num(np.clip(own["rgba"][:, :3], 0.0, 1.0), nan=0.0)
         emission = np.clip(np.nan_to_num(own["emission"]), 0.0, 1e3)[:, None] * color
-        textured = own["texid"] >= 0
-        rows["texture"] = (
-            np.where(textured, prepared.textures[own["texid"]] + number, -1) if len(prepared.textures) else -1
-        )
+        texids = _textures(own, len(prepared.textures))
+        textured = texids >= 0
+        rows["texture"] = np.where(textured, prepared.textures[texids] + number, -1) if len(prepared.textures) else -1
         if self._plain:
             rows["color"][:, :3], rows["emission"] = color, emission
             rows["metallic"], rows["roughness"] = own["specular"], np.clip(own["shininess"], 0.0, 1.0) * 128

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from threading import Lock
 from typing import TYPE_CHECKING, NamedTuple
 
 import mujoco
 import numpy as np
 
+from morse.eyes.renderer import check_state
 from morse.eyes.shapes import height_field
 from morse.kernel.rays import (
     BOX,
@@ -102,6 +104,8 @@ class Rays:
         self._caster.gather(np.zeros(0, np.int32), False)
         self._caster.gather(np.arange(count, dtype=np.int32), True)
         self._groups = np.where(self._is_plane, _PLANES, 0).astype(np.int64)
+        #: the poses of the geoms are those of one state at a time
+        self._lock = Lock()
 
     def cast(
         self,
@@ -122,10 +126,12 @@ class Rays:
             Arrays (N, R, ...); without N for a single state.
 
         Raises:
-            ValueError: the shapes do not fit, or the limit is not greater than 0.
+            ValueError: the shapes do not fit, the limit is not greater than 0, or a state is one of another model.
         """
         several = isinstance(data, Sequence)
         states = list(data) if isinstance(data, Sequence) else [data]
+        for state in states:
+            check_state(self._model, state)
         if not limit > 0:
             raise ValueError(f"The limit of rays is greater than 0 m, got {limit!r}.")
         ways = np.asarray(directions, np.float64)
@@ -137,15 +143,21 @@ class Rays:
             starts = np.broadcast_to(np.asarray(points, np.float64), shape)
         except ValueError:
             raise ValueError(f"Points have the shape {shape}, {shape[1:]} or (3,), got {np.shape(points)}.") from None
-        rows = [self._of(state, starts[n], ways[n], limit) for n, state in enumerate(states)]
-        hits = RayHits(*(np.stack(parts) for parts in zip(*rows, strict=True)))
+        hits = RayHits(np.empty(shape[:2]), np.empty(shape[:2], np.int32), np.empty(shape))
+        for n, state in enumerate(states):
+            # rays without a direction have none that is finite
+            with self._lock, np.errstate(all="ignore"):
+                row = self._of(state, starts[n], ways[n], limit)
+            hits.distances[n], hits.geoms[n], hits.normals[n] = row
         return hits if several else RayHits(*(part[0] for part in hits))
 
     def _of(self, data: mujoco.MjData, starts: NDArray[np.float64], ways: NDArray[np.float64], limit: float) -> RayHits:
         count, rays = len(self._geoms), len(ways)
-        with np.errstate(all="ignore"):
-            lengths = np.sqrt((ways**2).sum(axis=1))
-            units = ways / lengths[:, None]
+        # squares of very long and very short directions are not finite, or 0
+        longest = np.abs(ways).max(axis=1, initial=0.0)
+        units = ways / longest[:, None]
+        part = np.sqrt((units**2).sum(axis=1))
+        units, lengths = units / part[:, None], longest * part
         if not count or not rays:
             return RayHits(np.full(rays, -1.0), np.full(rays, -1, np.int32), np.zeros((rays, 3)))
         # the last group is the world, in which the rays are

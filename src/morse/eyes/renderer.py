@@ -33,6 +33,7 @@ class Renderer:
         look: ``classic`` for the look of MuJoCo's own renderer, ``morse`` for that of the cameras of MORSE.
 
     Raises:
+        TypeError: the size is not an integer.
         ValueError: the size is larger than the offscreen buffer or not positive, or the look is unknown.
     """
 
@@ -50,6 +51,8 @@ class Renderer:
         self._artist: Artist | None = None
         buffer = model.vis.global_
         for name, size, most in (("width", width, buffer.offwidth), ("height", height, buffer.offheight)):
+            if not isinstance(size, (int, np.integer)) or isinstance(size, bool):
+                raise TypeError(f"Image {name} {size!r} is not an integer.")
             if size < 1:
                 raise ValueError(f"Image {name} {size} is not positive.")
             if size > most:
@@ -59,7 +62,7 @@ class Renderer:
                 )
         if look not in LOOKS:
             raise ValueError(f"The look {look!r} does not exist; there are: {', '.join(LOOKS)}.")
-        self._model, self._width, self._height = model, width, height
+        self._model, self._width, self._height = model, int(width), int(height)
         self._scene = mujoco.MjvScene(model=model, maxgeom=_room_for(model) if max_geom is None else max_geom)
         self._geoms = GeomArray(self._scene, three_geoms)
         self._scene_option = mujoco.MjvOption()
@@ -107,7 +110,13 @@ class Renderer:
             self._mode = "rgb"
 
     def show(self, kind: str) -> None:
-        """Let `render` return ``rgb``, ``depth`` or ``ids``."""
+        """Let `render` return ``rgb``, ``depth`` or ``ids``.
+
+        Raises:
+            ValueError: the kind is another one.
+        """
+        if kind not in _KINDS:
+            raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(_KINDS)}.")
         self._mode = kind
 
     def update_scene(
@@ -125,28 +134,30 @@ class Renderer:
 
         Raises:
             RuntimeError: the renderer is closed.
-            ValueError: there is no such camera.
+            ValueError: there is no such camera, or the state is one of another model.
         """
         self._open("update_scene")
+        check_state(self._model, data)
         if not isinstance(camera, mujoco.MjvCamera):
             camera = _camera_of(self._model, camera)
-        # infinite planes are placed around the camera of the scene, which would be that of the last call
-        mujoco.mjv_updateCamera(self._model, data, camera, self._scene)
-        mujoco.mjv_updateScene(
-            self._model,
-            data,
-            scene_option or self._scene_option,
-            None,
-            camera,
-            mujoco.mjtCatBit.mjCAT_ALL.value,
-            self._scene,
-        )
+        with self._lock:
+            # infinite planes are placed around the camera of the scene, which would be that of the last call
+            mujoco.mjv_updateCamera(self._model, data, camera, self._scene)
+            mujoco.mjv_updateScene(
+                self._model,
+                data,
+                scene_option or self._scene_option,
+                None,
+                camera,
+                mujoco.mjtCatBit.mjCAT_ALL.value,
+                self._scene,
+            )
 
     def render(self, *, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Return the picture.
 
         Args:
-            out: array into which it is written, of the same shape.
+            out: array into which it is written, of the same shape; other types are cast.
 
         Returns:
             (H, W, 3) uint8 colours; or (H, W) float32 depths along the axis, m; or (H, W, 2) int32 ids and types of
@@ -160,8 +171,8 @@ class Renderer:
         shape = (self._height, self._width, *_KINDS[self._mode][0])
         if out is not None and out.shape != shape:
             raise ValueError(f"Expected out.shape == {shape}. Got out.shape={out.shape} instead.")
-        view = view_of(self._scene, self._width, self._height)
         with self._lock:
+            view = view_of(self._scene, self._width, self._height)
             if self._mode == "rgb":
                 picture: NDArray[Any] = artist.colors(self._scene, self._geoms, view)
             else:
@@ -227,9 +238,8 @@ class BatchRenderer:
         self._model, self._count = model, count
         self._renderers = [make() for _ in range(min(threads.count(), count))]
         self._states = [mujoco.MjData(model) for _ in self._renderers]
-        self._pool: ThreadPoolExecutor | None = ThreadPoolExecutor(
-            len(self._renderers), thread_name_prefix="morse-pictures"
-        )
+        #: each state that is drawn has a renderer of its own, which serve one call at a time
+        self._lock = Lock()
 
     def render(
         self,
@@ -255,7 +265,7 @@ class BatchRenderer:
             RuntimeError: the renderer is closed.
             ValueError: the number of states, their shape, a camera or the kind is wrong.
         """
-        if self._pool is None:
+        if not self._renderers:
             raise RuntimeError("render cannot be called after close.")
         if kind not in _KINDS:
             raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(_KINDS)}.")
@@ -263,7 +273,7 @@ class BatchRenderer:
             raise ValueError(f"The batch has {self._count} states, got {len(states)}.")
         if isinstance(states, np.ndarray) and states.shape != (self._count, self._model.nq):
             raise ValueError(f"Positions have the shape {(self._count, self._model.nq)}, got {states.shape}.")
-        several = isinstance(cameras, Sequence) and not isinstance(cameras, str)
+        several = isinstance(cameras, (Sequence, np.ndarray)) and not isinstance(cameras, str)
         views = list(cameras) if several else [cameras]  # type: ignore[arg-type]
         first = self._renderers[0]
         shape, form = _KINDS[kind]
@@ -283,16 +293,17 @@ class BatchRenderer:
                     renderer.update_scene(data, camera, scene_option)
                     renderer.render(out=pictures[row, column])
 
-        list(self._pool.map(draw, range(share)))
+        # threads of this call alone: a process that is forked has none of them, and an error ends none of the others
+        with self._lock, ThreadPoolExecutor(share, thread_name_prefix="morse-pictures") as pool:
+            list(pool.map(draw, range(share)))
         return pictures if several else pictures[:, 0]
 
     def close(self) -> None:
-        """Release the memory, and end the threads."""
-        if self._pool is not None:
-            self._pool.shutdown()
-        self._pool = None
-        for renderer in self._renderers:
-            renderer.close()
+        """Release the memory; `render` cannot be called afterwards."""
+        with self._lock:
+            for renderer in self._renderers:
+                renderer.close()
+            self._renderers = []
 
     def __enter__(self) -> Self:
         return self
@@ -311,10 +322,38 @@ _KINDS: dict[str, tuple[tuple[int, ...], type]] = {
 }
 
 
+#: sizes of models on which the arrays of states depend that pictures and rays read
+_SIZES: tuple[str, ...] = (
+    *("nq", "nv", "nu", "nbody", "njnt", "ngeom", "nsite", "ncam", "nlight", "ntendon", "nwrap", "nsensordata"),
+    *("nflex", "nflexvert", "nflexelem", "nskin", "nskinvert", "nmocap"),
+)
+
+
 def _room_for(model: mujoco.MjModel) -> int:
     """A number of geoms for all elements of a model, and their frames, labels, forces and contacts."""
     elements = model.ngeom + model.nsite + model.nbody + model.njnt + model.nu + model.ntendon + model.nsensor
     return int(4 * elements + 2 * model.nwrap + 16 * model.nflex + model.nskin + 2000)
+
+
+def check_state(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Check that a state is one of a model, or of one of the same sizes: MuJoCo would read memory of others.
+
+    Raises:
+        TypeError: it is no state.
+        ValueError: it is one of another model.
+    """
+    if not isinstance(data, mujoco.MjData):
+        raise TypeError(f"Expected a state, mujoco.MjData, got {type(data).__name__}.")
+    own = data.model
+    if own is model:
+        return
+    sizes = [
+        f"{name} {getattr(own, name)} instead of {getattr(model, name)}"
+        for name in _SIZES
+        if getattr(own, name) != getattr(model, name)
+    ]
+    if sizes:
+        raise ValueError(f"The state is one of another model: {', '.join(sizes)}.")
 
 
 def three_geoms() -> mujoco.MjvScene:
