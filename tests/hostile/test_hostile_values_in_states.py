@@ -1,6 +1,5 @@
 """A saved state is data: a value of any type at any place is refused or harmless, and nothing is executed."""
 
-import multiprocessing
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +22,7 @@ from morse.simulation.recordings.input_recording import entry_from_bytes
 from morse.system import regular_files as budget
 from morse.system.regular_files import read_regular
 from tests.kit.effort import examples
+from tests.kit.programs import new_processes
 
 CHOICES = st.tuples(st.integers(0, 10_000), st.sampled_from(sorted(traps.VALUES)))
 
@@ -52,7 +52,7 @@ class NoReferences:
 @pytest.fixture(scope="module")
 def victim(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Another process with a simulation: a hook for audit events cannot be removed from a process."""
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
+    with new_processes() as pool:
         pool.apply(traps.begin, (str(tmp_path_factory.mktemp("victim")),))
         yield pool
 

@@ -1,6 +1,7 @@
 """Other programs in tests: their ports, their results, and those that a simulation talks with."""
 
 import json
+import multiprocessing
 import os
 import socket
 import struct
@@ -9,11 +10,19 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from multiprocessing.pool import Pool
 from pathlib import Path
 from typing import Any
 
 #: s, after which a program counts as lost
 _LIMIT = 200.0
+#: what a process executes that imports the packages beside the tests, and these
+BESIDE = f"import sys; sys.path.append({str(Path(__file__).parents[2])!r})"
+
+
+def new_processes(count: int = 1) -> Pool:
+    """Processes that start anew, as on Windows."""
+    return multiprocessing.get_context("spawn").Pool(count, exec, (BESIDE,))
 
 
 def free_ports(count: int, kind: socket.SocketKind = socket.SOCK_STREAM) -> list[int]:

@@ -2,7 +2,6 @@
 
 import gc
 import math
-import multiprocessing
 import sys
 import threading
 import tracemalloc
@@ -21,6 +20,7 @@ from morse.builder.script import load_scene
 from morse.launch.load import described
 from morse.launch.rereading import Rereading, script_stamp, source_stamps
 from morse.simulation.options import RunOptions
+from tests.kit.programs import new_processes
 
 
 def scene() -> None:
@@ -159,7 +159,7 @@ def test_simulations_in_threads_are_independent_to_the_bit(alone: str) -> None:
 
 
 def test_a_process_that_was_spawned(alone: str) -> None:
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
+    with new_processes() as pool:
         assert pool.apply(launch_scenes.hash_after, (TICKS,)) == alone
 
 

@@ -20,7 +20,7 @@ from morse.cli.sweep import ProgressLine
 from morse.many import Study, Table, choice, loguniform, normal, uniform
 from morse.many.executors import pack_size
 from morse.many.results import read_rows
-from tests.kit.programs import python
+from tests.kit.programs import BESIDE, python
 from tests.kit.waiting import wait_until
 
 SCENE = """
@@ -291,9 +291,7 @@ def test_all_executors_give_the_same_bits(tmp_path, pids):
     hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
     with ThreadPoolExecutor(2) as threads:
         assert {row["run"]: row["hash"] for row in study.run(tmp_path / "t", executor=threads)} == hashes
-    import multiprocessing
-
-    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn"), exec, (BESIDE,)) as processes:
         assert {row["run"]: row["hash"] for row in study.run(tmp_path / "p", executor=processes)} == hashes
     assert {row["run"]: row["hash"] for row in study.run(tmp_path / "local", workers=2)} == hashes
 

@@ -1,6 +1,5 @@
 """A restored state has a bit-identical future, in any world of the scene."""
 
-import multiprocessing
 import random
 import re
 
@@ -14,6 +13,7 @@ from morse.physics import World
 from morse.physics.state.saved import SavedAttachments, SavedGrip
 from morse.scene import Node
 from tests.kit.effort import examples
+from tests.kit.programs import new_processes
 
 pytestmark = pytest.mark.long
 
@@ -170,7 +170,7 @@ def test_another_process_goes_on_with_the_same_bits():
         w.step()
     saved = w.get_state()
     expected = go_on(saved, BLOCKS, 7, 120, 200)
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
+    with new_processes() as pool:
         assert pool.apply(go_on, (saved, BLOCKS, 7, 120, 200)) == expected
     without_break = go_on(None, BLOCKS, 7, 0, 200)
     assert without_break[120:] == expected

@@ -1,6 +1,5 @@
 """Everything that determines the future is saved, and restored bit by bit."""
 
-import multiprocessing
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ import morse
 from morse.builder import Environment, Human
 from morse.core.state import StateError
 from tests.kit.effort import examples
+from tests.kit.programs import new_processes
 
 PLANS = st.fixed_dictionaries(
     {
@@ -31,7 +31,7 @@ PLAN = {"robots": [True, False], "things": 1, "scan": True, "seed": 5}
 @pytest.fixture(scope="module")
 def elsewhere() -> Iterator[Any]:
     """Another process."""
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
+    with new_processes() as pool:
         yield pool
 
 

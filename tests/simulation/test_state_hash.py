@@ -1,7 +1,6 @@
 """The hash of a state is equal wherever the future is equal, and differs where the future differs."""
 
 import contextlib
-import multiprocessing
 import pickle
 from collections.abc import Iterator
 from typing import Any
@@ -13,6 +12,7 @@ import morse
 from morse.simulation.recordings.input_recording import InputRecorder
 from morse.simulation.recordings.replaying import Replay
 from morse.simulation.states.state import State
+from tests.kit.programs import new_processes
 
 #: components with a state of their own, some of which act in groups
 SHORT = ("IMU", "MotionVW", "Odometry", "Waypoint", "PTU")
@@ -22,7 +22,7 @@ _SENSORS = sorted(set(components.names()) - {"CompoundSensor"} - set(components.
 @pytest.fixture(scope="module")
 def elsewhere() -> Iterator[Any]:
     """Another process."""
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
+    with new_processes() as pool:
         yield pool
 
 
