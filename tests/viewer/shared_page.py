@@ -43,6 +43,7 @@ PUT_BACK = """(stored) => {
     const folded = "[role=treeitem][aria-expanded=false]:not([data-name=objects]) .fold";
     for (const fold of document.querySelectorAll(folded)) fold.click();
     if (!shell.bottom.hidden) shell.toggle("bottom");
+    shell.closed.clear();
     if (!shell.narrow && shell.left.hidden) shell.toggle("left");
     memory.forget();
     follow.goHome();

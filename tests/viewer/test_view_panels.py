@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from view_worlds import box, mesh_node
 
 from morse.scene import CollisionShape, Scene, ShapeKind
 from morse.viewer.page_messages import Activate, CallService, SetProperty, ToggleCapturing
-from morse.viewer.view_messages import Capturing, Cone, MassCentre, PropertyValue
+from morse.viewer.view_messages import Capturing, Cone, Log, MassCentre, PropertyValue
 from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -231,6 +232,103 @@ def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(shown) -> None
     page.get_by_role("rowheader", name="image", exact=True).last.press("Enter")  # its value stays null
     wait_until(lambda: page.locator("figure.plot").count() == 2)
     assert page.locator(".legend").last.inner_text() == "robot0.lidar.image has no value yet…"
+
+
+def test_one_field_is_plotted_over_another_with_one_scale_for_one_unit(shown) -> None:
+    _, page = shown
+    page.evaluate("morse.panels.plots.plot('robot0.lidar', 'x')")
+    wait_until(lambda: page.locator(".legend li").count() == 1)
+    axis = page.get_by_label("horizontal axis")
+    assert axis.is_hidden()  # there is nothing to choose
+    page.evaluate("morse.panels.plots.plot('robot0.lidar', 'position', morse.panels.plots.plots[0])")
+    wait_until(lambda: page.locator(".legend li").count() == 4)
+    names = ["robot0.lidar.x", *(f"robot0.lidar.position.{i}" for i in range(3))]
+    assert axis.locator("option").all_inner_texts() == ["over time", *(f"over {name}" for name in names)]
+    inner, outer = axis.bounding_box(), page.locator("figure.plot .head").bounding_box()
+    assert inner
+    assert outer
+    assert outer["y"] <= inner["y"] <= inner["y"] + inner["height"] <= outer["y"] + outer["height"]
+    axis.select_option("robot0.lidar.position.0")  # the time, as a position
+    chart = "morse.panels.plots.plots[0].chart"
+    wait_until(lambda: page.evaluate(f"{chart}.data[1][0].length") > 40)
+    xs, ys = page.evaluate(f"{chart}.data[1]")
+    assert ys == pytest.approx(np.cos(xs))
+    assert page.evaluate(f"{chart}.data.length") == 4  # the base is the axis, no curve
+    scales = "(({ bbox, scales: { x, y } }) => [(x.max - x.min) / bbox.width, (y.max - y.min) / bbox.height])"
+
+    def is_round() -> bool:
+        across, up = page.evaluate(f"{scales}({chart})")
+        return across == pytest.approx(up, rel=0.02)  # the chart rounds its size to pixels
+
+    wait_until(is_round)
+    # the choice is kept for a page that is loaded again
+    assert page.evaluate("morse.session.recall('plots')[0].horizontal") == "robot0.lidar.position.0"
+    page.evaluate("morse.panels.plots.plots[0].setOver('robot0.lidar.nothing')")  # as anybody may store
+    assert page.evaluate("morse.panels.plots.plots[0].horizontal") == ""
+    assert page.evaluate(f"{chart}.data.length") == 5
+
+
+def test_points_of_a_plot_take_the_latest_value_of_the_other_field_and_end_with_a_restart(shown) -> None:
+    _, page = shown
+    # values of two components come at different times; some are missing or no numbers
+    points = page.evaluate(
+        """() => {
+        const plot = morse.panels.plots.create();
+        plot.add({ component: "a", path: "x", unit: "m" });
+        plot.add({ component: "b", path: "y", unit: "rad" });
+        plot.setOver("a.x");
+        plot.take("b", 1.0, { y: 5 });
+        plot.take("a", 1.1, { x: 1 });
+        plot.take("b", 1.2, { y: 6 });
+        plot.take("a", 1.3, { x: null });
+        plot.take("b", 1.4, { y: "none" });
+        plot.take("b", 1.5, { y: 7 });
+        const all = JSON.stringify(plot.content()[1]);
+        plot.take("b", 1.2, { y: 8 });
+        plot.setWindow(5);
+        plot.take("a", 9.0, { x: 2 });
+        const late = JSON.stringify(plot.content()[1]);
+        plot.draw();
+        plot.onEmpty();
+        return [all, late];
+    }"""
+    )
+    assert points == ["[[1,1],[6,7]]", "[[],[]]"]
+
+
+def test_an_error_opens_the_messages_at_it_unless_the_user_has_closed_them(shown) -> None:
+    driver, page = shown
+    places = itertools.count()
+
+    def said(level: Any, text: str) -> None:
+        driver.server.send(Log(level, text, place=next(places)))
+
+    assert page.evaluate("morse.shell.bottom.hidden")
+    said("warning", "a warning")
+    wait_until(lambda: toasts(page) == ["a warning"])
+    assert page.evaluate("morse.shell.bottom.hidden")
+    said("error", "the first fault")
+    for number in range(200):
+        said("info", f"line {number}")
+    wait_until(lambda: page.locator(".log p.info").count() >= 200)
+    assert not page.evaluate("morse.shell.bottom.hidden")
+    assert page.locator(".log .found").inner_text().endswith("the first fault")
+    page.get_by_role("button", name="Plots and messages").click()  # the user closes them
+    said("error", "the second fault")
+    said("error", "the third fault")
+    for number in range(200):
+        said("info", f"later line {number}")
+    wait_until(lambda: page.locator(".log p.info").count() >= 400)
+    assert page.evaluate("morse.shell.bottom.hidden")
+    assert page.evaluate("morse.shell.toggles.bottom.dataset.news") == "error"
+    page.get_by_role("button", name="Plots and messages").click()
+    # what is seen first is the first fault that was not read, not the end
+    wait_until(lambda: page.locator(".log .found").inner_text().endswith("the second fault"))
+    seen = """() => {
+        const [line, box] = [".log .found", ".log"].map((e) => document.querySelector(e).getBoundingClientRect());
+        return line.top >= box.top && line.bottom <= box.bottom;
+    }"""
+    wait_until(lambda: page.evaluate(seen))
 
 
 def test_plots_take_the_colours_of_the_theme(shown) -> None:

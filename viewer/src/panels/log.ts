@@ -13,6 +13,8 @@ export class LogPanel {
   private readonly empty = h("p", { class: "quiet" }, "No messages yet.");
   /** earlier lines that are sent to a new page do not count as new */
   private fresh = false;
+  /** the first error that came while the log was hidden: it is shown when the log is opened, not the end */
+  private unread: Element | null = null;
 
   constructor(
     connection: Connection,
@@ -24,7 +26,12 @@ export class LogPanel {
   ) {
     this.element.append(this.empty);
     // lines that were added while the log was hidden are shown from the end
-    new ResizeObserver(() => (this.element.scrollTop = this.element.scrollHeight)).observe(this.element);
+    new ResizeObserver(() => {
+      this.element.scrollTop = this.element.scrollHeight;
+      if (!this.element.checkVisibility() || !this.unread) return;
+      this.mark(this.unread);
+      this.unread = null;
+    }).observe(this.element);
     connection.on("welcome", () => {
       this.fresh = false;
       this.element.replaceChildren(this.empty);
@@ -36,6 +43,11 @@ export class LogPanel {
   /** Scroll to the last error that contains a text. */
   reveal(text: string): void {
     const line = [...this.element.querySelectorAll("p.error, p.warning")].filter((one) => one.textContent?.includes(text)).at(-1);
+    this.unread = null;
+    this.mark(line ?? null);
+  }
+
+  private mark(line: Element | null): void {
     for (const other of this.element.querySelectorAll(".found")) other.classList.remove("found");
     line?.classList.add("found");
     if (line) reveal(line, "center");
@@ -52,6 +64,7 @@ export class LogPanel {
     if (level !== "error" && level !== "warning") return;
     if (component !== "") this.components.complain(component, level, text);
     if (!this.fresh || shown) return;
+    if (level === "error" && !this.element.checkVisibility()) this.unread ??= this.element.lastElementChild;
     this.onNews(level);
     this.toasts.show(firstLine(text) + placeIn(text), level === "error" ? "error" : "info", () => this.onOpen(text));
   }

@@ -76,7 +76,7 @@ export class Panels {
       shell.show("bottom");
       log.reveal(text);
     };
-    const log: LogPanel = new LogPanel(connection, components, toasts, (level) => shell.flag("bottom", level), openLog);
+    const log: LogPanel = new LogPanel(connection, components, toasts, (level) => (level === "error" ? shell.offer("bottom") : shell.flag("bottom", level)), openLog);
     const saved = new SavedPanel(connection, ({ file, text }) => openLog(text || file));
     shell.bottom.append(this.editor.script.element, this.plots.element, log.element);
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);

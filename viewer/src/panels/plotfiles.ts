@@ -1,10 +1,8 @@
 import { h } from "../ui/dom";
 import { fileName, save } from "../ui/files";
-import { colorOf } from "../ui/colors";
-import type { Curve } from "./plot";
 
-/** Save a plot with the names of its curves as a picture. */
-export function savePicture(drawn: HTMLCanvasElement, curves: Curve[]): void {
+/** Save a plot with the titles of its curves, each in its colour, as a picture. */
+export function savePicture(drawn: HTMLCanvasElement, titles: [string, string][]): void {
   const picture = h("canvas", { width: drawn.width, height: drawn.height + 40 });
   const context = picture.getContext("2d");
   if (!context) return;
@@ -13,9 +11,8 @@ export function savePicture(drawn: HTMLCanvasElement, curves: Curve[]): void {
   context.drawImage(drawn, 0, 0);
   context.font = "20px system-ui, sans-serif";
   let x = 20;
-  curves.forEach(({ component, path }, i) => {
-    const label = `${component}.${path}`;
-    context.fillStyle = colorOf(i);
+  titles.forEach(([label, color]) => {
+    context.fillStyle = color;
     context.fillText(label, x, drawn.height + 26);
     x += context.measureText(label).width + 24;
   });

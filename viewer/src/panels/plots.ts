@@ -14,6 +14,8 @@ interface KeptPlot {
   curves: Curve[];
   awaited: Awaited[];
   window: number;
+  /** the curve of the horizontal axis; "" for time */
+  horizontal: string;
 }
 
 const HINT = matchMedia("(pointer: coarse)").matches
@@ -52,19 +54,20 @@ export class PlotsPanel {
 
   /** Restore the plots of this tab after a reload. */
   private recall(): void {
-    for (const { curves, awaited, window } of this.session.recall<KeptPlot[]>("plots") ?? []) {
+    for (const { curves, awaited, window, horizontal } of this.session.recall<KeptPlot[]>("plots") ?? []) {
       if (this.plots.some((plot) => JSON.stringify(plot.curves) === JSON.stringify(curves))) continue;
       const plot = this.create();
       for (const curve of curves) plot.add(curve);
       for (const field of awaited) plot.await(field);
       plot.setWindow(window);
+      plot.setOver(horizontal);
       this.ask();
       this.onFirst();
     }
   }
 
   private keep(): void {
-    const kept: KeptPlot[] = this.plots.map(({ curves, awaited, window }) => ({ curves, awaited, window }));
+    const kept: KeptPlot[] = this.plots.map(({ curves, awaited, window, horizontal }) => ({ curves, awaited, window, horizontal }));
     this.session.keep("plots", kept);
   }
 

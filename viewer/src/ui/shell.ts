@@ -18,6 +18,8 @@ export class Shell {
   readonly over = h("div", { class: "over" });
   /** whether the user wants the details of the selection */
   private wanted: boolean;
+  /** areas that the user has closed since the page was loaded */
+  private readonly closed = new Set<Place>();
   readonly toggles: Record<Place, HTMLButtonElement>;
 
   constructor() {
@@ -41,6 +43,8 @@ export class Shell {
 
   toggle(place: Place): void {
     this.set(place, this[place].hidden !== false);
+    if (this[place].hidden) this.closed.add(place);
+    else this.closed.delete(place);
     if (this.narrow) return;
     if (place === "right") this.wanted = !this.right.hidden;
     const open = (["left", "right", "bottom"] as const).filter((one) => (one === "right" ? this.wanted : !this[one].hidden));
@@ -59,6 +63,12 @@ export class Shell {
   /** Open a panel without making it a choice of the user. */
   show(place: Place): void {
     if (this[place].hidden) this.set(place, true);
+  }
+
+  /** Open an area for an error, unless it would cover the view or the user has closed it: then its button tells. */
+  offer(place: Place): void {
+    if (!this.narrow && !this.closed.has(place)) this.show(place);
+    this.flag(place, "error");
   }
 
   /** The panels that a script opens; in a narrow window, they would cover the world. */
