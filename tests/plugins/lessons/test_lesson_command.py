@@ -16,6 +16,7 @@ from morse.cli.app import execute
 from morse.plugins.lessons.catalog import lesson
 from morse.plugins.lessons.course import ORDER
 from morse.plugins.lessons.examining import examine
+from tests.kit.waiting import wait_until
 
 SOLUTIONS = Path(__file__).parent / "solutions"
 
@@ -79,6 +80,11 @@ def test_wrong_words_get_the_right_ones(here, capsys, words, said):
         ("def step(image):\n    return None\n", "step() returned None, expected 2 numbers"),
         ("def step(image):\n    return float('nan'), 0\n", "expected 2 numbers"),
         ("def step(image):\n    return 1, 2, 3\n", "expected 2 numbers"),
+        ("def step(image):\n    while True:\n        yield 1\n", "yields more than 100,000 items"),
+        (
+            "import os, sys\nhasattr(os, 'mkfifo') and os.mkfifo(sys.argv[3])\ndef step(image):\n    os._exit(0)\n",
+            "ended with status",
+        ),
         ("def step(image):\n    return step(image)\n", "RecursionError"),
         ("import os\ndef step(image):\n    os._exit(0)\n", "its process ended with status 0"),
         ("def step(image):\n    raise BaseException('\\x1b[31m')\n", "BaseException"),
@@ -89,7 +95,7 @@ def test_a_faulty_program_gets_a_hint(tmp_path, program, hint):
     result = examine(lesson("line"), tmp_path, is_quiet=True)
     assert not result.is_passed
     assert hint in " ".join(finding.hint for finding in result.findings)
-    assert "Traceback" not in result.output
+    assert "Traceback" not in " ".join(finding.hint for finding in result.findings)
 
 
 def test_an_endless_loop_is_named_with_its_line(tmp_path):
@@ -105,6 +111,52 @@ def test_an_endless_loop_is_named_with_its_line(tmp_path):
     assert done.returncode == 1
     (finding,) = json.loads(file.read_text())
     assert re.search(r"it is in line [23] of controller.py. Is this an endless loop", finding["hint"])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes have groups on POSIX systems")
+def test_what_a_program_leaves_behind_ends_with_the_check(tmp_path):
+    import fcntl
+
+    lock, held = tmp_path / "lock", tmp_path / "held"
+    child = (
+        f"import fcntl, pathlib, time; file = open({str(lock)!r}, 'w'); fcntl.flock(file, fcntl.LOCK_EX); "
+        f"pathlib.Path({str(held)!r}).touch(); time.sleep(600)"
+    )
+    (tmp_path / "controller.py").write_text(
+        "import pathlib, subprocess, sys, threading, time\n"
+        f"subprocess.Popen([sys.executable, '-c', {child!r}])\n"
+        f"while not pathlib.Path({str(held)!r}).exists():\n    time.sleep(0.01)\n"
+        "threading.Thread(target=time.sleep, args=(600,)).start()\n"
+        "def step(image):\n    return 'nothing'\n"
+    )
+    result = examine(lesson("line"), tmp_path, is_quiet=True, seconds=200)
+    assert "expected 2 numbers" in " ".join(finding.hint for finding in result.findings)
+
+    def is_free():
+        with lock.open("w") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return False
+            return True
+
+    wait_until(is_free, "the child of the program has ended")
+
+
+def test_names_of_files_here_do_not_matter(here):
+    (here / "json.py").write_text("raise SystemExit('json of a student')\n")
+    (here / "controller.py").write_text("def step(image):\n    return 0, 0\n")
+    hints = [finding.hint for finding in examine(lesson("line"), here, is_quiet=True).findings]
+    assert not any("ended with status" in hint for hint in hints), hints
+
+
+@pytest.mark.parametrize("name", ["README.md", "scene.py"])
+def test_files_of_others_are_not_overwritten(here, capsys, name):
+    (here / name).write_text("of my project\n")
+    assert execute(["lesson", "start", "line", "--folder", "."]) == 1
+    assert f"{name} exists already" in capsys.readouterr().err
+    assert [path.name for path in here.iterdir()] == [name]
+    assert (here / name).read_text() == "of my project\n"
 
 
 def test_a_class_gets_a_table(here, capsys):

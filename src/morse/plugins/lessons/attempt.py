@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import math
 import os
 import reprlib
 import sys
 import threading
 import time
+from collections.abc import Iterable, Sized
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import morse
 from morse.core.reports.faults import describe
 from morse.plugins.lessons.catalog import PROGRAM, Lesson
+
+_T = TypeVar("_T")
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +30,8 @@ if TYPE_CHECKING:
 
 #: wall-clock seconds that one call of a student's function may take
 LONGEST_CALL = 10.0
+#: items of what a student's function yields; more may be endless
+_MOST_ITEMS = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,15 +114,15 @@ class Attempt:
         self.simulation.measure()
 
     def call(self, name: str, *arguments: object) -> object:
-        """Call a function of the student's program, and return what it returns.
+        """Call a function of the student's program, and return what it returns; what it yields is a list.
 
         Raises:
-            WrongProgramError: there is no such function, or it raises an error.
+            WrongProgramError: there is no such function, it raises an error, or yields too much.
         """
         function = getattr(self._program(), name, None)
         if not callable(function):
             raise WrongProgramError(f"{PROGRAM} has no function {name}(): it may have been renamed")
-        return self._watched(f"{name}()", lambda: function(*arguments))
+        return self._watched(f"{name}()", lambda: _whole(name, function(*arguments)))
 
     def numbers(self, count: int, name: str, *arguments: object) -> tuple[float, ...]:
         """Call a function of the student's program that returns a tuple of finite numbers.
@@ -124,11 +130,13 @@ class Attempt:
         Raises:
             WrongProgramError: there is no such function, it raises an error, or returns something else.
         """
-        return _numbers(name, self.call(name, *arguments), count, f"{count} numbers")
+        result = self.call(name, *arguments)
+        return self._watched(f"{name}()", lambda: _numbers(name, result, count, f"{count} numbers"))
 
     def number(self, name: str, *arguments: object) -> float:
         """Call a function of the student's program that returns a finite number; see `numbers`."""
-        (value,) = _numbers(name, [self.call(name, *arguments)], 1, "a number")
+        result = [self.call(name, *arguments)]
+        (value,) = self._watched(f"{name}()", lambda: _numbers(name, result, 1, "a number"))
         return value
 
     def expect(self, is_right: object, what: str, hint: str = "") -> bool:
@@ -183,13 +191,13 @@ class Attempt:
             self._student = module
         return self._student
 
-    def _watched(self, what: str, function: Callable[[], object]) -> object:
+    def _watched(self, what: str, function: Callable[[], _T]) -> _T:
         watch = self._watch
         if watch is not None:
             watch.begin(what)
         try:
             return function()
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, WrongProgramError):
             raise
         except BaseException as error:  # the program of a student may raise anything
             raise WrongProgramError(describe(error)) from None
@@ -198,10 +206,20 @@ class Attempt:
                 watch.end()
 
 
+def _whole(name: str, result: object) -> object:
+    """What a function has returned; a list of what it yields."""
+    if not isinstance(result, Iterable) or isinstance(result, Sized):
+        return result
+    items = list(itertools.islice(result, _MOST_ITEMS + 1))
+    if len(items) > _MOST_ITEMS:
+        raise WrongProgramError(f"{name}() yields more than {_MOST_ITEMS:,} items: is this endless?")
+    return items
+
+
 def _numbers(name: str, result: object, count: int, expected: str) -> tuple[float, ...]:
     given = result[0] if count == 1 and isinstance(result, list) else result
     try:
-        values = tuple(float(part) for part in result)  # type: ignore[attr-defined]
+        values = tuple(float(part) for part in itertools.islice(result, count + 1))  # type: ignore[call-overload]
     except Exception:  # a student may return anything
         values = ()
     if len(values) != count or not all(map(math.isfinite, values)):

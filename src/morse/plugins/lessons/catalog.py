@@ -58,7 +58,7 @@ class Lesson:
         """Write the files of a student.
 
         Raises:
-            LessonError: the folder has a program already.
+            LessonError: the folder has a program already, or another file of these names.
         """
         if (folder / PROGRAM).exists():
             raise LessonError(f"{folder / PROGRAM} exists already: `morse lesson check {self.name}` checks it")
@@ -69,6 +69,9 @@ class Lesson:
             "scene.py": self.scene_script(),
             PROGRAM: self.module.START.lstrip(),
         }
+        taken = [name for name in texts if (folder / name).exists()]
+        if taken:
+            raise LessonError(f"{folder / taken[0]} exists already: start the lesson in another folder (--folder)")
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -18,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from morse.plugins.lessons.attempt import Attempt, Finding
 from morse.plugins.lessons.catalog import Lesson, lesson
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,11 +37,9 @@ class Result:
 
     Attributes:
         findings: the points of the check; at least one.
-        output: what the program has printed, if that was asked for.
     """
 
     findings: tuple[Finding, ...]
-    output: str = ""
 
     @property
     def is_passed(self) -> bool:
@@ -52,35 +53,42 @@ def examine(what: Lesson, folder: Path, *, is_quiet: bool = False, seconds: floa
     Args:
         what: the lesson.
         folder: the folder with the program.
-        is_quiet: whether what the program prints is kept instead of shown.
+        is_quiet: whether what the program prints is not shown.
         seconds: the longest wall-clock time of the check.
     """
     with tempfile.TemporaryDirectory() as place:
         file = Path(place) / "findings.json"
-        command = [sys.executable, "-m", "morse.plugins.lessons.examining", what.name, str(folder), str(file)]
-        output = subprocess.PIPE if is_quiet else None
+        # without the working directory on the import path, in which a student may have a json.py
+        command = [sys.executable, "-P", "-m", "morse.plugins.lessons.examining", what.name, str(folder), str(file)]
+        output = subprocess.DEVNULL if is_quiet else None
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True
+        )
         try:
-            done = subprocess.run(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT if is_quiet else None,
-                timeout=seconds,
-                check=False,
-                errors="replace",
-            )
+            status = process.wait(seconds)
         except subprocess.TimeoutExpired:
             return Result((Finding("The check ends.", False, f"it has not ended after {seconds:g} s"),))
+        finally:
+            _end(process)
         findings = _read(file)
         if not findings:
-            findings = (Finding("The check ends.", False, f"its process ended with status {done.returncode}"),)
-        return Result(findings, done.stdout or "")
+            findings = (Finding("The check ends.", False, f"its process ended with status {status}"),)
+        return Result(findings)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process and, on POSIX systems, those that it has started."""
+    if sys.platform == "win32":
+        process.kill()
+    else:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 def _read(file: Path) -> tuple[Finding, ...]:
     try:
-        with file.open("rb") as data:
-            rows = json.loads(data.read(_LARGEST))
+        rows = json.loads(read_regular(file, _LARGEST))
         return tuple(Finding(str(row["what"]), row["is_right"] is True, str(row["hint"])) for row in rows)
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return ()
@@ -105,4 +113,9 @@ def main(words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    _status = main(sys.argv[1:])
+    with contextlib.suppress(Exception):  # a program may replace them
+        sys.stdout.flush()
+        sys.stderr.flush()
+    # threads of the program may go on without end
+    os._exit(_status)
