@@ -1,5 +1,6 @@
 """check: the installed programs; edit: the right file in the right program."""
 
+import importlib.metadata
 import stat
 import sys
 from pathlib import Path
@@ -71,6 +72,24 @@ def test_check_fails_if_something_required_is_missing(morse, monkeypatch):
     answer = morse("check")
     assert answer.status == 1
     assert "pip install no-such-module" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("whole", "is_met"), [("3.17.0", False), ("2.3.7", False), ("4.0.0", True), ("4.0.1", True), (None, True)]
+)
+def test_check_names_two_mujocos_in_one_folder(morse, monkeypatch, whole, is_met):
+    def version(name, ask=importlib.metadata.version):
+        if name != "mujoco":
+            return {"mujoco-core": "4.0.1"}.get(name) or ask(name)
+        if whole is None:
+            raise importlib.metadata.PackageNotFoundError(name)
+        return whole
+
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    answer = morse("check")
+    assert (answer.status == 0) == is_met, answer.out
+    assert ("pip uninstall -y mujoco mujoco-core" in answer.out) != is_met
+    assert (f"mujoco {whole} and mujoco-core 4.0.1" in " ".join(answer.out.split())) != is_met
 
 
 def test_check_says_what_the_rest_would_give(morse, monkeypatch):

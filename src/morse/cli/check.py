@@ -84,6 +84,7 @@ def findings() -> Iterator[Finding]:
     yield _python()
     for module, (distribution, purpose) in _REQUIRED_MODULES.items():
         yield _module(module, distribution, purpose, f"pip install {distribution}", required=True)
+    yield from _two_mujocos()
     yield _data()
     yield _kernel()
     yield _ros2()
@@ -116,6 +117,24 @@ def _module(module: str, distribution: str, gives: str, install: str, *, require
     except Exception as error:  # a broken binary package may raise any exception
         return Finding(module, False, f"{type(error).__name__}: {error}", gives, install, required)
     return Finding(module, True, detail, gives, install, required)
+
+
+def _two_mujocos() -> Iterator[Finding]:
+    """A MuJoCo that is complete in one package, before 4.0, shares its folder with that of `mujoco-core`."""
+    try:
+        whole, core = importlib.metadata.version("mujoco"), importlib.metadata.version("mujoco-core")
+    except importlib.metadata.PackageNotFoundError:
+        return
+    if whole.split(".", 1)[0] != core.split(".", 1)[0]:
+        yield Finding(
+            "one MuJoCo",
+            False,
+            f"mujoco {whole} and mujoco-core {core} have overwritten each other's files",
+            "physics",
+            "pip uninstall -y mujoco mujoco-core, then pip install mujoco-core; what needs the other one, into another "
+            "environment",
+            required=True,
+        )
 
 
 def _kernel() -> Finding:

@@ -40,6 +40,14 @@ def test_the_file_that_is_handed_out_runs_and_fails_with_a_hint(name, tmp_path):
     assert any(not f.is_right and f.hint for f in points)
 
 
+@pytest.mark.parametrize(("force", "hint"), [(0.0, "has to rise above 1.5 m"), (60.0, "needs damping")])
+def test_a_lift_that_does_not_rise_is_not_told_to_damp(tmp_path, force, hint):
+    points = findings("pid", tmp_path, f"def step(target, height, seconds):\n    return {force}\n")
+    (light, heavy) = [f.hint for f in points if "stays below" in f.what]
+    assert hint in light
+    assert hint in heavy
+
+
 #: lesson, a part of the solution, the fault in its place
 FAULTS = [
     ("line", "1.4 * error", "-1.4 * error"),

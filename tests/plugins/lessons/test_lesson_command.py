@@ -168,7 +168,9 @@ def test_a_class_gets_a_table(here, capsys):
         folder = here / "results" / student / "odometry"
         folder.mkdir(parents=True)
         (folder / "controller.py").write_text(text)
-    (here / "results" / "dora").mkdir()
+    misspelt = here / "results" / "dora" / "odometri"
+    misspelt.mkdir(parents=True)
+    (misspelt / "controller.py").write_text("x = 1\n")
     assert execute(["lesson", "--class", "results"]) == 0
     rows = list(csv.reader((here / "results" / "lessons.csv").open(encoding="utf-8")))
     assert rows == [
@@ -178,7 +180,13 @@ def test_a_class_gets_a_table(here, capsys):
         ["carl", "3 of 6"],
         ["dora", "–"],
     ]
-    assert "anna" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "anna" in said.out
+    assert re.search(
+        r"dora.odometri.controller\.py: there is no lesson 'odometri'; did you mean 'odometry'\?", said.err
+    )
+    assert "=HYPERLINK(1), odometry: 0/1: " in said.err
+    assert "has no function update()" in said.err
 
 
 LESSON = '''

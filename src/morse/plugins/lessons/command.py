@@ -12,6 +12,7 @@ import typer
 
 from morse.core.exceptions import MorseError
 from morse.core.reports.printing import echo, harmless_paragraph
+from morse.core.reports.quoting import nearest
 from morse.plugins.lessons.attempt import Attempt
 from morse.plugins.lessons.catalog import PROGRAM, Lesson, LessonError, lesson, lessons
 from morse.plugins.lessons.examining import Result, examine
@@ -123,13 +124,21 @@ def _check_class(results: Path) -> int:
         raise LessonError(
             f"{results} has no program: expected STUDENT/LESSON/{PROGRAM}, for instance anna/line/{PROGRAM}"
         )
+    for student in students:
+        for program in sorted(student.glob(f"*/{PROGRAM}")):
+            if program.parent.name not in found:
+                name = program.parent.name
+                text = f"* Warning: {program}: there is no lesson '{name}'{nearest(name, found)}"
+                echo(harmless_paragraph(text), err=True)
     used = [each.name for each in found.values() if any(task[1] is each for task in tasks)]
 
     def points(task: tuple[str, Lesson]) -> str:
         student, each = task
         result = examine(each, results / student / each.name, is_quiet=True)
         text = f"{sum(finding.is_right for finding in result.findings)}/{len(result.findings)}"
-        echo(f"* {harmless_paragraph(student)}, {each.name}: {text}", err=True)
+        wrong = next((finding for finding in result.findings if not finding.is_right), None)
+        reason = "" if wrong is None else f": {wrong.what} {wrong.hint}".rstrip()
+        echo(harmless_paragraph(f"* {student}, {each.name}: {text}{reason}"), err=True)
         return text
 
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:

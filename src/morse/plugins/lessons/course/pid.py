@@ -88,7 +88,8 @@ def check(attempt: Attempt) -> None:
         attempt.expect(
             1.5 < max(heights) <= 2.2,
             f"{name} stays below 2.2 m.",
-            f"It rises to {max(heights):.2f} m: it needs damping (D).",
+            f"It rises to {max(heights):.2f} m: "
+            + ("it needs damping (D)." if max(heights) > 2.2 else "it has to rise above 1.5 m for this."),
         )
         off = max(abs(height - _TARGET) for height in heights[300:])
         attempt.expect(
