@@ -16,6 +16,7 @@ import pytest
 import morse
 from morse.eyes.geoms import GeomArray
 from morse.eyes.renderer import three_geoms
+from morse.kernel.drawing.native import NativeDrawer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -581,3 +582,63 @@ if child == 0:
 raise SystemExit(os.waitpid(child, 0)[1])
 """
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    "geom",
+    [
+        'type="box" size=".005 {} .005"',
+        'type="capsule" size=".005 {}" euler="90 0 0"',
+        'type="cylinder" size=".005 {}" euler="90 0 0"',
+    ],
+)
+@pytest.mark.parametrize(
+    ("turn", "length"),
+    # the last ones reach behind the camera, 1 m above
+    [("0 0 0", 1), ("0 0 50", 1), ("60 0 20", 1), ("80 0 0", 4), ("100 0 0", 4), ("75 0 90", 4)],
+)
+def test_translucent_rods_are_drawn_around_their_pixels_alone(
+    geom: str, turn: str, length: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[int] = []
+    draw = NativeDrawer.draw
+
+    def count(self: NativeDrawer, cameras: Any, *others: Any) -> Any:
+        drawn.append(int((cameras["width"] * cameras["height"]).sum()))
+        return draw(self, cameras, *others)
+
+    monkeypatch.setattr(NativeDrawer, "draw", count)
+    floor = '<geom type="plane" size="2 2 1" rgba="0 0 1 1"/>'
+    rod = f'<body pos="0 0 1" euler="{turn}"><geom {geom.format(length / 2)} rgba="1 0 0 .5"/></body>'
+    lit = '<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>'
+    with_rod = _picture(_world(floor + rod, lit), size=200)
+    assert len(drawn) == 2
+    # a rod of 1 m fills the picture of a sphere of this size
+    assert drawn[1] < 0.8 * drawn[0]
+    seen = _picture(_world(floor + rod, lit), mode="ids", size=200)[..., 0] == 1
+    assert seen.sum() > 50
+    assert (with_rod[seen][:, 0] > 50).all()
+    assert (with_rod[~seen][:, 0] < 200).all()
+
+
+@pytest.mark.parametrize("size", [np.nan, np.inf, 1e30, -1.0])
+@pytest.mark.parametrize("kind", ["BOX", "SPHERE", "CAPSULE"])
+def test_translucent_geoms_of_any_size_leave_the_others(size: float, kind: str) -> None:
+    def add(renderer: morse.Renderer) -> None:
+        scene = renderer.scene
+        mujoco.mjv_initGeom(
+            scene.geoms[scene.ngeom],
+            getattr(mujoco.mjtGeom, f"mjGEOM_{kind}"),
+            np.full(3, 0.1),
+            np.array([0.3, 0.3, 0.1]),
+            np.array([0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6]),
+            np.array([1, 0, 0, 0.5], np.float32),
+        )
+        scene.geoms[scene.ngeom].size[:] = size
+        scene.ngeom += 1
+
+    ball = _world(
+        '<geom type="sphere" size=".3" rgba="0 1 0 1"/>',
+        '<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>',
+    )
+    assert _picture(ball, prepare=add)[32, 32, 1] > 50

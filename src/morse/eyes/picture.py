@@ -8,12 +8,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from morse.eyes.geoms import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
     FLEX,
     HFIELD,
     LINE,
     MESH,
     PLANE,
     SKIN,
+    SPHERE,
     Instances,
     Look,
     instances_of,
@@ -432,6 +437,10 @@ class _Composition:
         total += share * (image - first + mask * (first - total))
 
 
+#: geoms that are within a box of their sizes; with the caps of a capsule
+_SOLIDS = (SPHERE, ELLIPSOID, CAPSULE, CYLINDER, BOX)
+_CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+_EDGES = np.array([[n, n | bit] for bit in (1, 2, 4) for n in range(8) if not n & bit])
 #: number of layers of translucent geoms, beyond which those of equal opacity do not show each other
 _MOST_LAYERS = 12
 
@@ -467,6 +476,16 @@ def _box_of(geom: np.void, view: View) -> tuple[int, int, int, int] | None:
         return 0, 0, view.width, view.height
     if geom["type"] in (SKIN, FLEX, LINE):
         return 0, 0, view.width, view.height
+    if geom["type"] in _SOLIDS:
+        half = np.abs(geom["size"].astype(np.float64))
+        half[2] += half[0] if geom["type"] == CAPSULE else 0.0
+        corners = (geom["pos"] - view.eye) + (geom["mat"].reshape(1, 3, 3) * (_CORNERS * half)[:, None]).sum(axis=2)
+        points = _before(view.near, (corners[:, None] * view.axes).sum(axis=2))
+        if not len(points) or not np.isfinite(points).all():
+            return None
+        x, y, depths = points.T
+        columns, rows = view.fx * x / depths + view.cx, view.fy * y / depths + view.cy
+        return _pixels((columns.min(), columns.max()), (rows.min(), rows.max()), view)
     reach = float(_reach(np.array([geom]))[0]) * (2.0 if geom["type"] in (MESH, HFIELD) else 1.0)
     x, y, depth = ((geom["pos"] - view.eye) * view.axes).sum(axis=1)
     if not math.isfinite(depth + reach):
@@ -476,13 +495,30 @@ def _box_of(geom: np.void, view: View) -> tuple[int, int, int, int] | None:
         return None
     if near < view.near:
         return 0, 0, view.width, view.height
-    bounds = []
-    for at, focal, middle, size in ((x, view.fx, view.cx, view.width), (y, view.fy, view.cy, view.height)):
+    bounds: list[tuple[float, float]] = []
+    for at, focal, middle in ((x, view.fx, view.cx), (y, view.fy, view.cy)):
         # the nearer end of the sphere is farther from the middle of the picture
         low, high = (
             focal * (at + side * reach) / (near if (at + side * reach) * side > 0 else depth + reach)
             for side in (-1, 1)
         )
-        bounds.append((max(math.floor(low + middle) - 1, 0), min(math.ceil(high + middle) + 1, size)))
-    (x0, x1), (y0, y1) = bounds
+        bounds.append((low + middle, high + middle))
+    return _pixels(bounds[0], bounds[1], view)
+
+
+def _before(near: float, corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The corners of the part of a box (8, 3) that is before the near plane."""
+    one, other = corners[_EDGES[:, 0]], corners[_EDGES[:, 1]]
+    cut = (one[:, 2] < near) != (other[:, 2] < near)
+    one, other = one[cut], other[cut]
+    share = (near - one[:, 2:]) / (other[:, 2:] - one[:, 2:])
+    return np.concatenate([corners[corners[:, 2] >= near], one + share * (other - one)])
+
+
+def _pixels(columns: tuple[float, float], rows: tuple[float, float], view: View) -> tuple[int, int, int, int] | None:
+    """The pixels between columns and rows, with those beside them; None for none."""
+    (x0, x1), (y0, y1) = (
+        (max(math.floor(low) - 1, 0), min(math.ceil(high) + 1, size))
+        for (low, high), size in ((columns, view.width), (rows, view.height))
+    )
     return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None
