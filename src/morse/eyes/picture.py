@@ -512,7 +512,10 @@ def _before(near: float, corners: NDArray[np.float64]) -> NDArray[np.float64]:
     cut = (one[:, 2] < near) != (other[:, 2] < near)
     one, other = one[cut], other[cut]
     share = (near - one[:, 2:]) / (other[:, 2:] - one[:, 2:])
-    return np.concatenate([corners[corners[:, 2] >= near], one + share * (other - one)])
+    points = one + share * (other - one)
+    # rounding of a huge box would put them elsewhere
+    points[:, 2] = near
+    return np.concatenate([corners[corners[:, 2] >= near], points])
 
 
 def _pixels(columns: tuple[float, float], rows: tuple[float, float], view: View) -> tuple[int, int, int, int] | None:
