@@ -49,6 +49,40 @@ def leave() -> None:
 def deep() -> None:
     """Call itself."""
     deep()
+
+
+def unknown(file: "Path") -> None:
+    """Take a file."""
+
+
+def unreadable() -> None: ...
+
+
+unreadable.__signature__ = 5
+
+
+class Described(type):
+    @property
+    def __doc__(cls):
+        raise SystemExit(3)
+
+
+class Undescribed(metaclass=Described): ...
+
+
+def positive(value: int) -> int:
+    raise ValueError("out of order")
+
+
+def checked(number: Annotated[int, typer.Option("--number", callback=positive)] = 1) -> None:
+    """Check a number."""
+
+
+def numbered() -> None:
+    print("numbered")
+
+
+numbered.__doc__ = 5
 '''
 
 ENTRIES = {
@@ -62,6 +96,11 @@ ENTRIES = {
     "nowhere": "no_such_module:command",
     "ends": "ends:command",
     "run": "lab:crash",
+    "unknown": "lab:unknown",
+    "unreadable": "lab:unreadable",
+    "undescribed": "lab:Undescribed",
+    "checked": "lab:checked",
+    "numbered": "lab:numbered",
 }
 
 
@@ -103,7 +142,7 @@ def test_the_help_lists_commands_of_packages_and_says_which_are_broken(command):
     result = command("-h")
     assert result.returncode == 0
     assert "Greet a robot." in result.stdout
-    assert result.stdout.count("(broken)") == 4
+    assert result.stdout.count("(broken)") == 7
 
 
 @pytest.mark.parametrize(
@@ -116,6 +155,10 @@ def test_the_help_lists_commands_of_packages_and_says_which_are_broken(command):
         ("refuse", "* The robot is asleep."),
         ("crash", 'lab.py", line 28, in crash'),
         ("deep", "RecursionError"),
+        ("unknown", "(lab:unknown) cannot be loaded: NameError: name 'Path' is not defined"),
+        ("unreadable", "(lab:unreadable) cannot be loaded: TypeError"),
+        ("undescribed", "(lab:Undescribed) cannot be loaded: SystemExit"),
+        ("checked", "has failed: ValueError: out of order"),
     ],
 )
 def test_a_faulty_command_ends_with_a_message_and_status_1(command, name, said):
@@ -123,6 +166,10 @@ def test_a_faulty_command_ends_with_a_message_and_status_1(command, name, said):
     assert result.returncode == 1
     assert said.lower() in result.stderr.lower()
     assert "Traceback" not in result.stderr
+
+
+def test_the_text_of_a_command_may_be_none(command):
+    assert command("numbered").stdout == "numbered\n"
 
 
 def test_a_command_may_end_with_a_status_of_its_own(command):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import functools
+import contextlib
 import importlib
 import shutil
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -20,7 +21,7 @@ from morse.core.reports.printing import echo
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 
 # What is wrong with the options and arguments that the parser rejects.
@@ -88,6 +89,8 @@ def _given(words: Sequence[str], names: Sequence[str]) -> str | None:
     return None
 
 
+#: files with the functions that call those of commands
+_CALLERS = (str(Path(typer.__file__).parent), __file__)
 #: entry points of packages that add commands: a function, whose annotations declare arguments and options as in Typer
 _GROUP = "morse.commands"
 #: the module of each command, and the function there if it is not called `command`
@@ -116,43 +119,63 @@ def _names() -> list[str]:
     return [*_MODULES, *dict.fromkeys(point.name for point in entry_points(_GROUP) if point.name not in _MODULES)]
 
 
-def _function(name: str) -> tuple[Callable[..., object], dict[str, object] | None]:
-    """The function of a command, and settings of its parser.
+def _command(name: str) -> Any:
+    """The parser of a command.
 
-    That of a plug-in that cannot be loaded says so when it is called: the help lists it, and the other commands.
+    That of a plug-in that cannot be loaded, or whose function has annotations that Typer refuses, says so when it is
+    called: the help lists it, and the other commands.
     """
     if name in _MODULES:
         place, _, function = _MODULES[name].partition(":")
         module = importlib.import_module(place)
-        return getattr(module, function or "command"), getattr(module, "CONTEXT_SETTINGS", None)
+        return _parser(name, getattr(module, function or "command"), getattr(module, "CONTEXT_SETTINGS", None))
+
+    def use(found: object) -> Any:
+        if not callable(found):
+            raise TypeError(f"it is {found!r:.80}, expected a function")
+        return _parser(name, found, kind=_PackageCommand)
+
     point = next(point for point in entry_points(_GROUP) if point.name == name)
     try:
-        return _contained(name, load(point, _callable)), None
+        return load(point, use)
     except PluginError as error:
-        return _broken(f"The command '{name}' ({point.value}) cannot be loaded: {error}"), None
+        return _parser(name, _broken(f"The command '{name}' ({point.value}) cannot be loaded: {error}"))
 
 
-def _callable(found: object) -> Callable[..., Any]:
-    if not callable(found):
-        raise TypeError(f"it is {found!r:.80}, expected a function")
-    return found
+def _parser(
+    name: str,
+    function: Callable[..., object],
+    settings: dict[str, object] | None = None,
+    kind: type[_Command] | None = None,
+) -> Any:
+    text = function.__doc__
+    text = _without_line_breaks(text) if isinstance(text, str) else ""
+    application = typer.Typer(add_completion=False, rich_markup_mode=_MARKUP)
+    application.command(
+        name,
+        cls=kind or _Command,
+        help=text,
+        short_help=text.partition("\n\n")[0],  # the whole sentence, which the parser would cut
+        context_settings=settings,
+    )(function)
+    return typer.main.get_command(application)
 
 
-def _contained(name: str, function: Callable[..., object]) -> Callable[..., object]:
-    """The function of a plug-in, whose errors are messages."""
-
-    @functools.wraps(function)
-    def call(*arguments: object, **options: object) -> Any:
-        try:
-            return function(*arguments, **options)
-        except MorseError as error:
-            raise CommandError(sentence(error)) from None
-        except (CommandError, typer.TyperException, typer.Abort, typer.Exit, OSError, *ENDINGS):
-            raise
-        except BaseException as error:  # the package is third-party code
-            raise CommandError(f"The command '{name}' has failed: {describe(error)}") from None
-
-    return call
+@contextlib.contextmanager
+def _messages_of(name: str) -> Iterator[None]:
+    """Turn the errors of a plug-in into messages."""
+    try:
+        yield
+    except MorseError as error:
+        raise CommandError(sentence(error)) from None
+    except (CommandError, typer.TyperException, typer.Abort, typer.Exit, OSError, *ENDINGS):
+        raise
+    except BaseException as error:  # the package is third-party code
+        trace = error.__traceback__
+        # the lines of the parser, through which every command is called, say nothing
+        while trace and trace.tb_next and trace.tb_frame.f_code.co_filename.startswith(_CALLERS):
+            trace = trace.tb_next
+        raise CommandError(f"The command '{name}' has failed: {describe(error.with_traceback(trace))}") from None
 
 
 def _broken(reason: str) -> Callable[..., object]:
@@ -198,6 +221,18 @@ class _Command(typer.core.TyperCommand):
         return _plain_types(super().get_params(ctx))
 
 
+class _PackageCommand(_Command):
+    """A command of a plug-in, whose function, defaults and checks of options may raise anything."""
+
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        with _messages_of(str(self.name)):
+            return super().make_context(*arguments, **options)
+
+    def invoke(self, ctx: Any) -> object:
+        with _messages_of(str(self.name)):
+            return super().invoke(ctx)
+
+
 class _Commands(typer.core.TyperGroup):
     """Imports the module of a subcommand only when it is needed, so that ``morse -v`` responds at once.
 
@@ -220,17 +255,7 @@ class _Commands(typer.core.TyperGroup):
     def get_command(self, ctx: object, cmd_name: str) -> Any:
         if cmd_name not in _MODULES and cmd_name not in _names():
             return None
-        command, settings = _function(cmd_name)
-        text = _without_line_breaks(command.__doc__ or "")
-        application = typer.Typer(add_completion=False, rich_markup_mode=_MARKUP)
-        application.command(
-            cmd_name,
-            cls=_Command,
-            help=text,
-            short_help=text.partition("\n\n")[0],  # the whole sentence, which the parser would cut
-            context_settings=settings,
-        )(command)
-        return typer.main.get_command(application)
+        return _command(cmd_name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args and args[0] not in _MODULES and not args[0].startswith("-") and args[0] not in (names := _names()):
