@@ -32,6 +32,7 @@ PUT_BACK = """(stored) => {
     FROM_THE_TOP
     keyboard.release();
     panels.mover.toggle(null);
+    panels.ruler.on.set(false);
     components.selected.set(null);
     panels.images.follows.set(true);
     for (const camera of panels.images.open.value) panels.images.toggle(camera);

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,12 +37,14 @@ def events(driver: Any, kind: type) -> list[Any]:
     return [event for event in driver.events if isinstance(event, kind)]
 
 
-def place_of(page: Page, name: str) -> tuple[float, float]:
+def place_of(page: Page, name: str, above: float = 0.0) -> tuple[float, float]:
     x, y = page.evaluate(
-        """(name) => { const p = morse.world.value.find(name).frame.position.clone().project(morse.stage.view.camera);
+        """([name, above]) => {
+        const p = morse.world.value.find(name).frame.position.clone();
+        p.setZ(p.z + above).project(morse.stage.view.camera);
         const b = morse.stage.element.getBoundingClientRect();
         return [b.left + (p.x + 1) / 2 * b.width, b.top + (1 - p.y) / 2 * b.height] }""",
-        name,
+        [name, above],
     )
     return x, y
 
@@ -432,6 +435,75 @@ def test_collision_shapes_are_shown_when_the_script_says_so(scenes) -> None:
     assert sizes[3] == pytest.approx([4.5, -0.5, -1.5, 5.5, 0.5, 1.5], abs=0.01)
     assert sizes[4] == pytest.approx([4.5, -1, -2, 5.5, 1, 2], abs=0.01)
     assert sizes[5] == pytest.approx([5, 0, 0, 6, 1, 1], abs=0.01)
+
+
+# plan and ruler -------------------------------------------------------------------------------------------
+
+
+def measured(page: Page) -> list[float]:
+    """Distance, its parts along x, y and z, heading and rise, as the page says."""
+    text = page.locator(".ruler").inner_text().partition(":")[2]
+    return [float(number) for number in re.findall(r"-?\d+\.\d+", text)]
+
+
+def click(page: Page, name: str) -> None:
+    """Click the middle of the upper side of a box."""
+    x, y = place_of(page, name, 0.5)
+    page.mouse.click(x, y)
+
+
+def test_a_plan_looks_straight_down_and_a_ruler_measures_in_it(scenes) -> None:
+    places = {"a": (0.0, 0.0, 0.5), "b": (3.0, 4.0, 0.5), "high": (0.0, -4.0, 2.5)}
+    scene = Scene("s", roots=[mesh_node(name, box(name), place) for name, place in places.items()])
+    scene.settings.view.camera_location = (-20.0, 0.0, 1.0)
+    page = scenes.show(scene)
+    page.keyboard.press("5")
+    wait_until(lambda: page.evaluate("morse.stage.view.pitch") == pytest.approx(-math.pi / 2))
+    page.evaluate("morse.stage.draw()")
+    ax, ay = place_of(page, "a")
+    bx, by = place_of(page, "b")
+    assert bx > ax
+    assert by < ay  # +X is to the right, +Y up
+    assert (ay - by) / (bx - ax) == pytest.approx(4 / 3, rel=0.02)
+    page.keyboard.press("b")
+    click(page, "a")
+    wait_until(lambda: "From a" in page.locator(".ruler").inner_text())
+    click(page, "b")
+    wait_until(lambda: len(measured(page)) == 6)
+    # the tops of the boxes: a triangle of 3, 4 and 5 m
+    degrees = math.degrees(math.atan2(4, 3))
+    assert measured(page) == pytest.approx([5.0, 3.0, 4.0, 0.0, degrees, 0.0], abs=0.1)
+    assert page.evaluate("morse.components.selected.value") is None  # the clicks measure, they do not select
+    click(page, "a")  # begins again
+    click(page, "high")
+    wait_until(lambda: "a → high" in page.locator(".ruler").inner_text() and len(measured(page)) == 6)
+    # the higher box is nearer to the camera: only its own place is measured, not that of its picture
+    assert measured(page) == pytest.approx(
+        [math.sqrt(20), 0.0, -4.0, 2.0, -90.0, math.degrees(math.atan2(2, 4))], abs=0.15
+    )
+    page.mouse.click(bx, 2 * ay - by)  # where no box is
+    wait_until(lambda: "There is nothing" in page.locator(".ruler").inner_text())
+    page.keyboard.press("Escape")
+    wait_until(lambda: page.locator(".ruler").is_hidden())
+    click(page, "b")
+    wait_until(lambda: page.evaluate("morse.components.selected.value") == "b")
+
+
+def test_a_ruler_follows_objects_and_forgets_those_that_are_gone(scenes) -> None:
+    roots = [mesh_node("a", box("a"), (0, 0, 0)), mesh_node("b", box("b"), (4, 0, 0))]
+    page = scenes.show(Scene("s", roots=roots))
+    page.evaluate("(morse.follow.plan(), morse.panels.ruler.on.set(true), morse.stage.draw())")
+    click(page, "a")
+    click(page, "b")
+    wait_until(lambda: len(measured(page)) == 6)
+    page.evaluate(
+        """() => { const { frame } = morse.world.value.find("b");
+        frame.position.x += 2; frame.updateMatrix(); frame.updateMatrixWorld(true); morse.stage.draw(); }"""
+    )
+    assert measured(page)[0] == pytest.approx(6.0, abs=0.1)
+    page = scenes.show(Scene("t", roots=[mesh_node("a", box("a"), (0, 0, 0))]))
+    wait_until(lambda: page.locator(".ruler").inner_text().startswith("Ruler: click two points"))
+    assert page.evaluate("morse.panels.ruler.line.visible || morse.panels.ruler.dots.visible") is False
 
 
 def test_what_a_camera_sees(shown) -> None:

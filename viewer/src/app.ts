@@ -63,7 +63,9 @@ export class App {
       this.follow.release();
       this.memory.take();
     };
-    this.navigation.onClick = (x, y) => this.select(x, y);
+    this.navigation.onClick = (x, y) => {
+      if (!this.panels.ruler.click(x, y)) this.select(x, y);
+    };
     this.keyboard.drives = () => this.seat.drives.value;
     this.seat.drives.watch((drives) => {
       this.clock.enable(drives);

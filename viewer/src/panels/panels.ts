@@ -25,6 +25,7 @@ import type { Plot } from "./plot";
 import { PlotsPanel } from "./plots";
 import { Rate } from "./rate";
 import { RecordingPanel } from "./recording";
+import { Ruler } from "./ruler";
 import { SavedPanel } from "./saved";
 import { TouchPad } from "./touchpad";
 import { TreePanel } from "./tree";
@@ -40,6 +41,7 @@ export class Panels {
   readonly plots: PlotsPanel;
   readonly object: ObjectPanel;
   readonly mover: Mover;
+  readonly ruler: Ruler;
   readonly viewMenu: ViewMenu;
   readonly history: HistoryPanel;
   readonly recording: RecordingPanel;
@@ -58,7 +60,8 @@ export class Panels {
     this.mover = new Mover(stage, connection, (node, { position, quaternion }, first) => void this.object.teleport(node, position, quaternion, first));
     this.mover.running = () => app.poses.value?.running ?? false;
     app.navigation.claims = (event) => this.mover.claims(event);
-    this.viewMenu = new ViewMenu(stage, follow, components, this.layers, camerasMenu(this.images, components));
+    this.ruler = new Ruler(stage);
+    this.viewMenu = new ViewMenu(stage, follow, components, this.layers, camerasMenu(this.images, components), this.ruler.on);
     this.highlight = new Highlight(stage);
     const tree = new TreePanel(components, app.world, (name) => this.focus(name), () => shell.narrow && shell.show("right"));
     const inspector = new Inspector(
@@ -82,7 +85,7 @@ export class Panels {
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();
-    shell.over.append(h("div", { class: "said" }, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
+    shell.over.append(h("div", { class: "said" }, this.ruler.element, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
     // a hand that drives cannot move the camera, and a small picture is left soon
@@ -174,6 +177,8 @@ export class Panels {
     shortcuts.add("View", ["2"], "2", "view from on board", () => this.viewMenu.start("first"));
     shortcuts.add("View", ["3"], "3", "follow from above", () => this.viewMenu.start("top"));
     shortcuts.add("View", ["4"], "4", "move along, keep the direction", () => this.viewMenu.start("along"));
+    shortcuts.add("View", ["5"], "5", "plan: straight down", () => follow.plan());
+    shortcuts.add("View", ["b", "B"], "B", "measure with the ruler", () => this.ruler.on.set(!this.ruler.on.value));
     shortcuts.add("View", ["0"], "0", "stop following", () => this.viewMenu.start("free"));
     shortcuts.add("View", ["c", "C"], "C", "show the selected object", () => this.focus(app.components.selected.value));
     shortcuts.add("View", ["v", "V"], "V", "show the image of a robot's camera", () => this.toggleImage());
@@ -222,7 +227,8 @@ export class Panels {
   }
 
   private escape(): void {
-    if (this.mover.node.value) this.mover.toggle(null);
+    if (this.ruler.on.value) this.ruler.on.set(false);
+    else if (this.mover.node.value) this.mover.toggle(null);
     else this.app.components.selected.set(null);
   }
 }

@@ -3,6 +3,7 @@ import type { Components } from "../model/components";
 import { h } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { closeWhenLeft } from "../ui/popup";
+import type { Signal } from "../ui/signal";
 import type { Follow, FollowMode, Preset } from "../view/follow";
 import type { Stage } from "../view/stage";
 import type { WorldNode } from "../world/node";
@@ -32,6 +33,7 @@ export class ViewMenu {
     private readonly components: Components,
     layers: Layers,
     pictures: HTMLElement,
+    ruler: Signal<boolean>,
   ) {
     const summary = h("summary", { title: "view", "aria-label": "view" });
     summary.innerHTML = icons.eye;
@@ -41,11 +43,15 @@ export class ViewMenu {
       return button;
     });
     const sides = SIDES.map(([preset, label]) => h("button", { type: "button", onclick: () => this.look(preset) }, label));
+    const plan = h("button", { type: "button", title: "5", onclick: () => follow.plan() }, "plan");
+    const measure = h("button", { type: "button", title: "B", onclick: () => this.measure(ruler) }, "ruler");
+    ruler.watch((on) => measure.setAttribute("aria-pressed", String(on)));
     const popup = h(
       "div",
       { class: "popup" },
       h("fieldset", {}, h("legend", {}, "follow"), h("div", { class: "choice" }, ...modes)),
-      h("fieldset", {}, h("legend", {}, "look from"), h("div", { class: "choice" }, ...sides)),
+      h("fieldset", {}, h("legend", {}, "look from"), h("div", { class: "choice" }, ...sides, plan)),
+      h("fieldset", {}, h("legend", {}, "measure"), h("div", { class: "choice" }, measure)),
       layers.element,
       pictures,
     );
@@ -60,6 +66,12 @@ export class ViewMenu {
     const node = this.node();
     if (mode === "free" || !node) this.follow.release();
     else this.follow.start(mode, node);
+  }
+
+  /** The menu makes room for the points to click. */
+  private measure(ruler: Signal<boolean>): void {
+    ruler.set(!ruler.value);
+    this.element.open = false;
   }
 
   look(preset: Preset): void {

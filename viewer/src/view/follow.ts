@@ -21,6 +21,9 @@ const BEFORE_WALLS = 0.2;
 const NEAREST = 1.5;
 /** Walls are looked for again when the line of sight has moved so far, m, and at most every so many ms. */
 const MOVED = 0.05;
+/** A plan shows at least so much, m, with a margin around what acts. */
+const PLAN = 6;
+const MARGIN = 1.3;
 const PAUSE = 100;
 export type Preset = keyof typeof PRESETS;
 
@@ -143,6 +146,23 @@ export class Follow {
     view.position.copy(bounds.center).addScaledVector(way.normalize(), this.distanceTo(bounds.radius));
     view.lookAt(bounds.center);
     target.copy(bounds.center);
+    this.stage.invalidate();
+  }
+
+  /** Look straight down at all that moves or measures, +Y up; at the whole world if nothing does. */
+  plan(): void {
+    const { view, world, target } = this.stage;
+    if (!world) return;
+    this.release();
+    const acting = world.nodes.filter((node) => node.moves || node.description.kind !== "");
+    const box = world.boxOf(acting);
+    if (box.isEmpty()) box.copy(world.boxOf(world.nodes));
+    if (box.isEmpty()) return;
+    const [center, size] = [box.getCenter(new Vector3()), box.getSize(new Vector3())];
+    const slope = Math.tan((view.camera.fov * Math.PI) / 360);
+    const half = Math.max(size.y, size.x / view.camera.aspect, PLAN) / 2;
+    view.pose = { position: [center.x, center.y, box.max.z + (half * MARGIN) / slope], yaw: Math.PI / 2, pitch: -Math.PI / 2, roll: 0 };
+    target.copy(center);
     this.stage.invalidate();
   }
 
