@@ -178,3 +178,45 @@ def test_without_ffmpeg_it_is_said_what_there_is(morse, scene, monkeypatch):
     assert answer.status == 2
     assert "apt install ffmpeg" in answer.err
     assert "frame_%04d.png" in answer.err
+
+
+MODEL = """<mujoco><visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual><worldbody>
+<camera name="front" pos="0 -4 3" xyaxes="1 0 0 0 0 1"/><body pos="0 0 3"><freejoint/>
+<geom type="sphere" size=".4" rgba="1 0 0 1"/></body></worldbody></mujoco>"""
+
+
+def test_a_model_file_is_shown_by_its_own_camera(morse):
+    (morse.directory / "ball.xml").write_text(MODEL)
+    answer = morse("render", "ball.xml", "--camera", "front", *SMALL)
+    assert answer.status == 0, answer.err
+    image = pixels(morse)
+    assert image.shape == (48, 64, 3)
+    rows, columns = np.nonzero(reds(image))
+    assert [rows.mean(), columns.mean()] == pytest.approx([23.5, 31.5], abs=0.6)
+    for kind in ("depth", "ids"):
+        assert morse("render", "ball.xml", "--camera", "front", "--show", kind, *SMALL).status == 0
+        image = pixels(morse)
+        assert not np.array_equal(image[24, 32], image[0, 0])
+    answer = morse("render", "ball.xml", "--camera", "front", "-o", "b_%d.png", "--film", "0.4", "--rate", "10", *SMALL)
+    assert answer.status == 0, answer.err
+    # 0.3 s of free fall are 0.44 m; f = 58 px, at 4 m
+    heights = [np.nonzero(reds(pixels(morse, f"b_{n}.png")))[0].mean() for n in (0, 3)]
+    assert heights[1] - heights[0] == pytest.approx(0.44 * 58 / 4, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "said"),
+    [
+        (MODEL, ("--camera", "frnt"), "Did you mean 'front'? There are: front."),
+        (MODEL, ("--from", "1,2,3"), "--from is an option of scenes"),
+        (MODEL, ("--fine",), "--fine is an option of scenes"),
+        ("<mujoco><worldbody>", (), "ball.xml cannot be read by MuJoCo"),
+        ("<robot name='r'/>", ("--camera", "c"), "There is no camera 'c'"),
+    ],
+)
+def test_mistakes_with_model_files(morse, text, words, said):
+    (morse.directory / "ball.xml").write_text(text)
+    answer = morse("render", "ball.xml", *words, *SMALL)
+    assert answer.status != 0
+    assert said in answer.err
+    assert "Traceback" not in answer.err

@@ -14,6 +14,8 @@ from morse.cli.scenes import resolve
 from morse.system.regular_files import RefusedFileError, check_default_name
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -145,7 +147,11 @@ _LONGEST = 3600.0
 def command(
     scene: Annotated[
         list[str],
-        typer.Argument(metavar="ENVIRONMENT [FILE] | PATH", help="The scene, as for `morse run`.", show_default=False),
+        typer.Argument(
+            metavar="ENVIRONMENT [FILE] | PATH",
+            help="The scene, as for `morse run`, or an MJCF file.",
+            show_default=False,
+        ),
     ],
     output: Annotated[
         str, typer.Option("-o", "--output", metavar="FILE", help="picture.png, .jpg or .webp; for a film, see --film.")
@@ -199,27 +205,98 @@ def command(
         check_default_name(path)
     except (ValueError, RefusedFileError) as error:
         raise CommandError(f"-o: {error}.", status=2) from None
+    if scene and Path(scene[0]).suffix.lower() in _MODELS and Path(scene[0]).is_file():
+        others = {"--from": origin, "--to": target, "--fov": fov, "--fine": fine or None, "--seed": seed}
+        if given := [name for name, value in others.items() if value is not None]:
+            raise CommandError(
+                f"{given[0]} is an option of scenes: a model file is shown by --camera, one of its own cameras.",
+                status=2,
+            )
+        return _draw_model(Path(scene[0]), path, camera, (width, height), show or "color", (time, film, rate))
     simulation = load(scene, seed)
     try:
         show = show or usual_of(simulation, camera)
         request = request_of(simulation, camera, places, (width, height), fov, fine, show == "color")
         _run(simulation, time)
-        if film is None:
-            picture_files.save_picture(path, drawn(request, show, fine))
-            say(f"{path}: {time:g} s after the start.")
-            return _status(simulation)
-        frames = max(1, round(film * rate))
-        video = picture_files.film(path, shape_of(request, fine), rate)
-        for number in range(frames):
-            video.add(drawn(request, show, fine))
-            _run(simulation, time + (number + 1) / rate)
-        video.close()
-        say(f"{path}: {frames} frames of {film:g} s.")
+        _write(
+            path,
+            shape_of(request, fine),
+            (time, film, rate),
+            lambda: drawn(request, show, fine),
+            lambda until: _run(simulation, until),
+        )
         return _status(simulation)
     except OSError as error:
         raise CommandError(f"{path} could not be written: {error.strerror or error}") from None
     finally:
         simulation.close()
+
+
+def _write(
+    path: Path,
+    size: tuple[int, int],
+    times: tuple[float, float | None, float],
+    draw: Callable[[], NDArray[np.uint8]],
+    run: Callable[[float], None],
+) -> None:
+    """Write a picture, or a film of a width and a height; ``times`` are the start, the length, s, and frames per s."""
+    from morse.rendering import picture_files
+
+    start, film, rate = times
+    if film is None:
+        picture_files.save_picture(path, draw())
+        say(f"{path}: {start:g} s after the start.")
+        return
+    frames = max(1, round(film * rate))
+    video = picture_files.film(path, size, rate)
+    for number in range(frames):
+        video.add(draw())
+        run(start + (number + 1) / rate)
+    video.close()
+    say(f"{path}: {frames} frames of {film:g} s.")
+
+
+#: files that MuJoCo reads
+_MODELS = (".xml", ".mjcf")
+
+
+def _draw_model(
+    file: Path,
+    path: Path,
+    camera: str | None,
+    size: tuple[int, int],
+    show: str,
+    times: tuple[float, float | None, float],
+) -> int:
+    """Draw an MJCF file, which MuJoCo simulates, by one of its cameras."""
+    from morse.core.image_colors import as_colors, as_pixels
+
+    try:
+        from morse.eyes.model_file import ModelFile
+
+        model = ModelFile(file, *size)
+    except ValueError as error:
+        raise CommandError(f"{file} cannot be read by MuJoCo: {error}") from None
+    except ImportError as error:  # the version of MuJoCo
+        raise CommandError(f"{error}.") from None
+    if camera is not None and camera not in model.cameras:
+        there = f" There are: {', '.join(model.cameras)}." if model.cameras else " The file has none."
+        raise CommandError(f"There is no camera '{camera}' in {file}.{nearest(camera, model.cameras)}{there}")
+
+    def draw() -> NDArray[np.uint8]:
+        import numpy as np
+
+        picture = model.picture(camera, "rgb" if show == "color" else show)
+        if show == "ids":
+            return as_colors(picture)
+        return np.repeat(as_pixels(picture)[..., None], 3, axis=2) if show == "depth" else picture
+
+    model.run(times[0])
+    try:
+        _write(path, size, times, draw, model.run)
+    except OSError as error:
+        raise CommandError(f"{path} could not be written: {error.strerror or error}") from None
+    return 0
 
 
 def _status(simulation: Simulation) -> int:
