@@ -1,5 +1,6 @@
 """``morse demo``."""
 
+import math
 import os
 import subprocess
 import sys
@@ -63,3 +64,14 @@ def test_mistakes_are_said_in_a_line(capsys):
         error = capsys.readouterr().err
         assert answer in error
         assert len(error.splitlines()) == 1
+
+
+def test_the_arrow_keys_drive_the_robot_of_the_first_steps():
+    with morse.load(examples()["laser"].scene, sockets=False) as simulation:
+        simulation.set_controls(frozenset(["ArrowUp"]))
+        simulation.sleep(1.0)
+        simulation.measure()
+        data = simulation.robot.pose.data
+        # the keys drive 1 m/s, and the robot looks to 1.2 rad
+        assert math.hypot(data["x"], data["y"]) == pytest.approx(1.0, abs=0.03)
+        assert math.atan2(data["y"], data["x"]) == pytest.approx(1.2, abs=0.01)

@@ -8,6 +8,11 @@ robot.rotate(z=1.2)
 motion = MotionVW()
 robot.append(motion)
 
+# the arrow keys of the live view drive, too
+keyboard = Keyboard()
+keyboard.properties(ControlType="Position")
+robot.append(keyboard)
+
 laser = Hokuyo()
 laser.translate(x=0.4, z=0.4)
 laser.properties(laser_range=8.0, scan_window=180, resolution=2.0)
