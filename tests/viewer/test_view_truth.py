@@ -443,7 +443,7 @@ def test_icons_of_the_inspector_have_captions(shown) -> None:
     _, page = shown
     select(page, "robot0")
     captions = page.locator(".object .tools .caption")
-    assert captions.all_inner_texts() == ["focus", "follow", "move", "delete", "copy"]
+    assert captions.all_inner_texts() == ["focus", "follow", "move", "duplicate", "delete", "copy"]
 
 
 # going back ----------------------------------------------------------------------------------------------

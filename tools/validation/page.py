@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import coupling
 import engine
-import linkages
 import mechanics
 import pictures
 import seeing
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DOCS = Path(__file__).parents[2] / "docs"
 CHAPTERS = (
     ("Mechanics", mechanics),
-    ("Linkages and arms", linkages),
+    ("Linkages and arms", coupling),
     ("Sensors", sensing),
     ("Cameras", seeing),
     ("The engine", engine),

@@ -17,7 +17,7 @@ export class Clock {
   private readonly time = h("output", { class: "time", title: "simulated time", "aria-label": "simulated time" }, "–");
   private readonly factor = h("output", { class: "factor", title: "real-time factor", "aria-label": "real-time factor" }, "");
   /** shown over the view when the machine cannot keep up */
-  readonly warning = h("p", { class: "late", role: "status", hidden: true });
+  readonly warning = h("p", { class: "notice late", role: "status", hidden: true });
   private readonly play = iconButton(icons.pause, "Pause", () => this.toggle(), "P");
   private readonly stepButton = iconButton(icons.step, "One tick", () => this.step(), ".");
   private readonly speed = h("select", { title: "speed", "aria-label": "speed", onchange: () => this.setSpeed() });

@@ -19,7 +19,7 @@ const PAUSE = 500;
 
 /** Says in words where the world ends, when a robot comes near, or has fallen off. */
 export class WorldEnd {
-  readonly element = h("p", { class: "late world-end", role: "status", hidden: true });
+  readonly element = h("p", { class: "notice world-end", role: "status", hidden: true });
   private ground: Box3 | null = null;
   private readonly place = new Vector3();
 
