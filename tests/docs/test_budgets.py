@@ -22,6 +22,8 @@ ROWS = [
     ("core.clients.budgets", "LEAST_RATE", 10.0, "sizes of images", "less than 10 "),
     ("simulation.population", "_MOST_ROOTS", 20_000, "objects of a scene", "20,000"),
     ("simulation.population", "_MOST_COMPONENTS", 200, "robots, sensors and actuators", "200"),
+    ("simulation.population", "_MOST_ADDED", 500, "components that are added", "500"),
+    ("builder.assembly.spawning", "_LONGEST_DELAY", 60.0, "delay of a spawned", "60 s"),
     ("simulation.population", "_SHORTEST_STEP", 0.0005, "time step", "0.5 ms"),
     ("core.validation.names", "LONGEST_NAME", 100, "names of what", "100 letters"),
     ("builder.assembly.spawning", "_MOST_CALLS", 100, "calls that set up", "100,"),

@@ -197,6 +197,10 @@ def test_runs_are_simulated_again_and_shown(tmp_path: Path) -> None:
         ("robot.new", "Pose\nfrequency(" + "(" * 5000, "plain values"),
         ("robot.new", "Pose\n" + "frequency(1)\n" * 1000, "at most 100"),
         ("robot.new", "VideoCamera\nproperties(cam_width=10**9)", "plain values"),
+        ("robot.new", "Pose\ndelay(1e9)", "at most 60 s"),
+        ("robot.new", "Pose\ndelay(seconds=61)", "at most 60 s"),
+        ("robot.new", "Pose\ndelay(-1)", "delay"),
+        ("robot.new", "CompoundSensor", "cannot come as CompoundSensor"),
         ("robot.new", "VideoCamera\nproperties(cam_width=1000000000)", "cam_width"),
     ],
 )
@@ -206,6 +210,25 @@ def test_what_is_refused_has_no_effect(sim: Simulation, name: str, kind: str, wh
         sim.spawn(name, kind)
     assert (components(sim), sim.state_hash()) == (there, digest)
     sim.step(1)
+
+
+@pytest.mark.parametrize("place", [(10**400, 0, 0), (True, 0, 0), (float("nan"), 0, 0), (0, 0)])
+def test_a_position_is_three_finite_numbers(sim: Simulation, place: tuple[float, ...]) -> None:
+    digest = sim.state_hash()
+    with pytest.raises(MorseError, match=r"position of 'robot\.new' is 3 numbers"):
+        sim.spawn("robot.new", "Pose", place)
+    assert sim.state_hash() == digest
+
+
+def test_clients_add_a_limited_number_of_components(sim: Simulation, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("morse.simulation.population._MOST_ADDED", 3)
+    for k in range(3):
+        ask(sim, f"robot.pose{k}", "Pose")
+    with pytest.raises(MorseServiceFailed, match="at most 3 components"):
+        ask(sim, "robot.pose3", "Pose")
+    sim.delete("robot.pose1")
+    ask(sim, "robot.pose3", "Pose")
+    sim.spawn("robot.pose4", "Pose")  # a program is not limited
 
 
 def ask(sim: Simulation, name: str, kind: str) -> None:

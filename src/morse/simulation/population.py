@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import partial
 from pathlib import PurePath
@@ -49,8 +48,17 @@ _NO_MAKERS: Mapping[str, Callable[[], object]] = MappingProxyType({})
 _MOST_ROOTS = 20_000
 #: of what a client spawns at once: all others wait for the 2 ms that a component takes; hands have 92 sensors of touch
 _MOST_COMPONENTS = 200
+#: components of robots that clients add one by one: restoring a state creates them one after the other
+_MOST_ADDED = 500
 #: of the text of a client, s: all robots are moved at the shortest step
 _SHORTEST_STEP = 0.0005
+
+
+def _is_number(value: object) -> bool:
+    """Whether a value is a finite number that fits a float; a bool is none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    return abs(value) < 1e300
 
 
 class PopulationState(TypedDict):
@@ -140,7 +148,7 @@ class Population:
                 f"the kind of '{name}' is the name of a robot or of a model, or a function, not {shown(kind)}"
             )
         for what, numbers in (("position", position), ("rotation", rotation)):
-            if len(numbers) != 3 or not all(isinstance(n, (int, float)) and math.isfinite(n) for n in numbers):
+            if len(numbers) != 3 or not all(map(_is_number, numbers)):
                 raise MorseBuilderError(f"the {what} of '{name}' is 3 numbers, not {shown(numbers)}")
         if len(scene.roots) + sum("." in one for one in self._recipes) >= _MOST_ROOTS:
             raise MorseBuilderError(f"a scene has at most {_MOST_ROOTS} objects: delete some before you add others")
@@ -182,6 +190,8 @@ class Population:
             ValueError: the engine refuses the shape of the object.
         """
         self.check(name, kind, position, rotation)
+        if by_client and "." in name and sum("." in one for one in self._recipes) >= _MOST_ADDED:
+            raise MorseBuilderError(f"clients add at most {_MOST_ADDED} components to robots: delete some first")
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
         robot = self._robot_of(name)
@@ -243,6 +253,11 @@ class Population:
                     )
             except (OSError, SyntaxError) as error:
                 raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
+            except TypeError as error:
+                if not isinstance(kind, str):
+                    raise  # the function of a program
+                # a class of the builder that needs arguments
+                raise MorseBuilderError(f"'{short(name)}' cannot come as {short(own or kind)}: {error}") from error
         if isinstance(kind, str):
             for declaration in newcomer.components:
                 check_component_name(declaration.name, name)

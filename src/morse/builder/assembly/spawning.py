@@ -116,6 +116,8 @@ CALLS = ("properties", "frequency", "level", "noise", "delay", "phase", "alter",
 #: names of modifiers and middlewares: class paths may be those of any code
 _PLAIN_NAME = re.compile(r"\w+")
 _MOST_CALLS = 100
+#: s: all measurements of this time are kept
+_LONGEST_DELAY = 60.0
 
 
 def split_kind(kind: str) -> tuple[str, list[str]]:
@@ -148,6 +150,12 @@ def _configure(component: AbstractComponent, calls: Sequence[str]) -> None:
             name, options = (*arguments, None)[0], set(values) & {"classpath", "method", "path"}
             if not isinstance(name, str) or not _PLAIN_NAME.fullmatch(name) or options or len(arguments) > 1:
                 raise MorseBuilderError(f"{method} takes the name of one that is installed, not {short(line)}")
+        elif method == "delay" and any(
+            isinstance(s, (int, float)) and s > _LONGEST_DELAY for s in (*arguments, *values.values())
+        ):
+            raise MorseBuilderError(
+                f"a component that is spawned is delayed by at most {_LONGEST_DELAY:g} s, not {short(line)}"
+            )
         function = getattr(component, method, None) if method in CALLS else None
         if function is None:
             what = type(component).__name__
