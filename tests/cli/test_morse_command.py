@@ -160,3 +160,17 @@ def test_the_shell_completes_commands_and_options(tmp_path, monkeypatch, line, c
     monkeypatch.setenv("COMP_CWORD", str(line.count(" ")))
     result = program(MORSE, home=tmp_path)
     assert (result.returncode, set(result.stdout.split())) == (0, completed)
+
+
+@pytest.mark.parametrize("words", [["run", "--headless"], ["check"], ["render"]])
+@pytest.mark.parametrize("error", ["OSError('libmujoco.so: cannot open')", "ImportError('no symbol')"])
+def test_a_mujoco_that_cannot_be_loaded_is_named_without_a_traceback(tmp_path, words, error):
+    (tmp_path / "mujoco").mkdir()
+    (tmp_path / "mujoco" / "__init__.py").write_text(f"raise {error}")
+    (tmp_path / "scene.py").write_text("from morse.builder import *\nrobot = ATRV()\nEnvironment('empty')\n")
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {MORSE}"
+    result = program(code, *words, "scene.py", home=tmp_path)
+    assert result.returncode == 1
+    assert "MuJoCo cannot be loaded" in result.stderr
+    assert "`morse check`" in result.stderr
+    assert "Traceback" not in result.stderr

@@ -340,6 +340,11 @@ def execute(arguments: Sequence[str]) -> int:
     except (typer.Abort, KeyboardInterrupt):
         complain("Interrupted.")
         return 130
+    except ImportError as error:
+        if error.name != "mujoco":
+            raise
+        complain(sentence(error))
+        return 1
     except OSError as error:
         complain(f"{error.strerror or error}: {error.filename or ''}".rstrip(": "))
         return 1

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from morse.builder.names.project_files import project_files
-from morse.cli.messages import CommandError, say, warn
+from morse.cli.messages import CommandError, say, sentence, warn
 from morse.cli.scenes import resolve
 from morse.core.clock import SLOWEST
 from morse.core.reports import log
@@ -323,14 +323,16 @@ def _options(context: typer.Context) -> list[object]:
 
 def _simulate(options: RunOptions) -> int:
     # imported only now: other commands, and errors on this command line, should not wait for the simulator to load
-    from morse.launch.run import run
-    from morse.simulation.ending import threads_left
-
     try:
+        from morse.launch.run import run
+        from morse.simulation.ending import threads_left
+
         status = run(options, leave=_leave)
         threads_left(status, _leave)
         return status
-    except Exception:
+    except Exception as error:
+        if isinstance(error, ImportError) and error.name == "mujoco":
+            raise CommandError(sentence(error)) from None
         # programs that read the log wait for this marker, also after an error
         _logger.critical("[ERROR][MORSE] Uncaught exception, quit.", exc_info=True)
         return 1
