@@ -343,6 +343,19 @@ def test_help_lists_the_keys(shown) -> None:
     wait_until(dialog.is_visible)
 
 
+def test_arrow_keys_that_no_robot_obeys_are_answered(shown) -> None:
+    driver, page = shown
+    said = page.get_by_text("No robot obeys the arrow keys: add the actuator Keyboard to one.")
+    driver.server.send(Listening(["robot0"], "robot0"))
+    wait_until(lambda: page.get_by_label("the robot that obeys the keys").input_value() == "robot0")
+    page.keyboard.press("ArrowUp")
+    assert said.count() == 0
+    driver.server.send(Listening([]))
+    wait_until(lambda: not page.get_by_label("the robot that obeys the keys").is_visible())
+    page.keyboard.press("ArrowUp")
+    wait_until(said.is_visible)
+
+
 def test_the_robot_that_listens(shown) -> None:
     driver, page = shown
     driver.server.send(Listening(["robot0", "robot1"], "robot1"))

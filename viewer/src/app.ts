@@ -67,6 +67,9 @@ export class App {
       if (!this.panels.ruler.click(x, y)) this.select(x, y);
     };
     this.keyboard.drives = () => this.seat.drives.value;
+    this.keyboard.onArrow = () => {
+      if (this.listener.robots.value.length === 0) this.toasts.show("No robot obeys the arrow keys: add the actuator Keyboard to one.");
+    };
     this.seat.drives.watch((drives) => {
       this.clock.enable(drives);
       this.listener.enable(drives);

@@ -11,6 +11,8 @@ export class Keyboard {
   flies: () => boolean = () => false;
   /** whether this page drives: keys that another page sends while it takes over must not drive */
   drives: () => boolean = () => false;
+  /** an arrow key was pressed to drive */
+  onArrow: () => void = () => {};
 
   constructor(private readonly connection: Connection) {
     addEventListener("keydown", (event) => this.down(event));
@@ -48,6 +50,7 @@ export class Keyboard {
     if (event.repeat || event.code === "") return;
     this.held.add(event.code);
     this.tell();
+    if (event.code.startsWith("Arrow") && !event.ctrlKey && this.drives()) this.onArrow();
   }
 
   private up(event: KeyboardEvent): void {
