@@ -13,7 +13,7 @@ from morse.assets.cache import Cache
 from morse.assets.shape_cache import ShapeCache, load_shapes, store_shapes
 from morse.assets.solids import cube
 from morse.scene import BodySettings, CollisionShape, Mesh, Node, NodeKind, PhysicsType, Scene, ShapeKind
-from tests.kit.programs import python
+from tests.kit.programs import BESIDE, python
 
 #: a box without its lid: neither a primitive nor convex
 _OPEN = cube()
@@ -147,8 +147,8 @@ def test_any_shapes_are_read_as_they_were_written(found, warnings):
 
 def test_shapes_are_the_same_in_another_process(monkeypatch):
     first = shapes(monkeypatch)
-    program = (
-        "import test_shape_files as t, morse.assets.collision as c, pytest\n"
+    program = BESIDE + (
+        "\nimport test_shape_files as t, morse.assets.collision as c, pytest\n"
         "c._parts = None\n"
         "with pytest.MonkeyPatch.context() as patch: print(t.bits(t.shapes(patch)))\n"
     )

@@ -198,8 +198,10 @@ def test_deleting_keeps_the_children_in_place() -> None:
     assert crate.node.world_matrix() == world
     with pytest.raises(MorseBuilderNoComponentError):
         bpymorse.delete("vase")
-    with pytest.raises(MorseBuilderError, match="body of a"):
-        bpymorse.delete(vase._bpy_object)
+    # the body of what was appended goes with everything on it
+    bpymorse.delete(vase._bpy_object)
+    assert workspace.current().find("small_crate_mesh") is None
+    assert vase not in table.children
 
 
 def test_deleting_something_of_the_environment() -> None:

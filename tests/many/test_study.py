@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -16,10 +17,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import morse
 from morse.cli.sweep import ProgressLine
 from morse.many import Study, Table, choice, loguniform, normal, uniform
 from morse.many.executors import pack_size
 from morse.many.results import read_rows
+from morse.many.run import RunTimeout, limited
 from tests.kit.programs import BESIDE, python
 from tests.kit.waiting import wait_until
 
@@ -319,6 +322,47 @@ def test_runs_in_processes_that_are_no_copies(tmp_path, pids, monkeypatch):
     table = study_of(tmp_path).run(tmp_path / "r", workers=2)
     assert {row["run"]: row["hash"] for row in table} == hashes
     assert len(list(pids.iterdir())) > before
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="limits of time need signals")
+@pytest.mark.parametrize("place", ["__enter__", "__exit__"])
+def test_a_limit_that_is_reached_at_the_border_of_a_tick_leaves_a_simulation_that_goes_on(place):
+    """An error in the lines that take or release a tick would leave the simulation owned for ever."""
+    reached = []
+
+    def at_the_border():
+        if not reached and sys._getframe(2).f_code.co_name == place:
+            reached.append(place)
+            signal.raise_signal(signal.SIGALRM)
+
+    class Lock:
+        def __init__(self):
+            self._lock = threading.Lock()
+
+        def acquire(self, **options):
+            acquired = self._lock.acquire(**options)
+            at_the_border()
+            return acquired
+
+        def release(self):
+            at_the_border()
+            self._lock.release()
+
+    def scene():
+        from morse.builder import Environment
+
+        Environment("empty")
+
+    def run_on(sim):
+        while True:
+            sim.step()
+
+    with morse.load(scene) as sim:
+        sim._time._lock = Lock()
+        with pytest.raises(RunTimeout), limited(1000.0):
+            run_on(sim)
+        assert reached == [place]
+        sim.step()
 
 
 def test_closures_are_limited_in_time_print_and_start_processes(tmp_path):

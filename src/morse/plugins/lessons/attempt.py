@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import morse
 from morse.core.reports.faults import describe
+from morse.core.reports.printing import echo
 from morse.plugins.lessons.catalog import PROGRAM, Lesson
 
 _T = TypeVar("_T")
@@ -101,7 +102,7 @@ class Attempt:
             scene, on_failure="raise", view="web" if self._is_shown else None, record=record, seed=1
         )
         if self._is_shown and self._simulation.view is not None:
-            print(f"* The live view: {self._simulation.view.url}", flush=True)
+            echo(f"* The live view: {self._simulation.view.url}")
         self._simulation.measure()
         return self._simulation
 

@@ -12,7 +12,7 @@ from morse.core import status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
+    from types import FrameType, TracebackType
 
     from morse.core.context import Context
     from morse.core.guard import Guard
@@ -161,6 +161,18 @@ class Ownership:
         if not self._lock.acquire(timeout=_PATIENCE):
             raise RuntimeError("this simulation is running in another thread, and does not stop")
         self._lock.release()
+
+
+_CHANGES = (Ownership.__enter__.__code__, Ownership.__exit__.__code__)
+
+
+def changes_owner(frame: FrameType | None) -> bool:
+    """Whether a frame is within the first or last lines of a tick: an error of a signal there would leave it owned."""
+    while frame is not None:
+        if frame.f_code in _CHANGES:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _nobody(_outcome: Outcome) -> None:
