@@ -12,7 +12,7 @@ import typer
 
 from morse.core.exceptions import MorseError
 from morse.core.reports.printing import echo, harmless_paragraph
-from morse.core.reports.quoting import nearest
+from morse.core.reports.quoting import nearest, spreadsheet_cell
 from morse.plugins.lessons.attempt import Attempt
 from morse.plugins.lessons.catalog import PROGRAM, Lesson, LessonError, lesson, lessons
 from morse.plugins.lessons.examining import Result, examine
@@ -148,14 +148,10 @@ def _check_class(results: Path) -> int:
     for row in rows:
         echo("  ".join(harmless_paragraph(cell).ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     try:
-        with (results / _TABLE).open("w", newline="", encoding="utf-8") as file:
-            # a spreadsheet takes 3/4 for a date, and the name of a folder for a formula
-            csv.writer(file).writerows([[_text(cell) for cell in row] for row in rows])
+        with (results / _TABLE).open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
+            # a spreadsheet takes 3/4 for a date; no name of a folder has a slash
+            cells = [[spreadsheet_cell(cell.replace("/", " of ")) for cell in row] for row in rows]
+            csv.writer(file).writerows(cells)
     except OSError as error:
         raise MorseError(f"{results / _TABLE} cannot be written: {error.strerror or error}") from None
     return 0
-
-
-def _text(cell: str) -> str:
-    cell = cell.replace("/", " of ") if cell[:1].isdigit() else cell
-    return f"'{cell}" if cell[:1] in "=+-@\t\r" else cell
