@@ -180,6 +180,21 @@ def test_files_of_packages_are_read_once(site: Path, monkeypatch: pytest.MonkeyP
     # each sensor of a robot asks several times: 1,000 sensors of a description took seconds
     monkeypatch.setattr(metadata.PathDistribution, "read_text", lambda *_: pytest.fail("read again"))
     assert plugins.entry_points("morse.modifiers") == before
+    # each scene has its folder on the path, and asks for all groups
+    monkeypatch.syspath_prepend(str(site / "my_lab"))
+    assert plugins.entry_points("morse.modifiers") == before
+    assert "my_lab" in [point.name for point in plugins.entry_points("morse.components")]
+
+
+def test_of_packages_with_one_name_the_first_one_counts(site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(site))
+    for version, text in {"My.Lab-2.0": "[morse.modifiers]\nnewer = my_lab.newer\n", "my_lab-0.5": ""}.items():
+        place = site / version / f"{version}.dist-info"
+        place.mkdir(parents=True)
+        (place / "entry_points.txt").write_text(text)
+        monkeypatch.syspath_prepend(str(site / version))
+        from_here = [point.value for point in plugins.entry_points("morse.modifiers") if "my_lab" in point.value]
+        assert from_here == (["my_lab.newer"] if text else [])
 
 
 def test_a_project_with_endless_brackets_has_no_entry_points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

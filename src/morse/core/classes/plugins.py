@@ -27,7 +27,7 @@ from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from importlib.metadata import EntryPoint
+    from importlib.metadata import Distribution, EntryPoint
 
 _T = TypeVar("_T")
 
@@ -92,12 +92,6 @@ def use_project_here() -> None:
         sys.path.append(project)
 
 
-def _distribution(point: EntryPoint) -> str:
-    """The name of the installed package of an entry point; empty if it is unknown."""
-    # the folder of a package that was half removed has no name
-    return "" if point.dist is None else _normal(str(point.dist.name or ""))
-
-
 def _normal(name: str) -> str:
     """The name of a package as indexes compare it."""
     return re.sub(r"[-_.]+", "-", name).lower()
@@ -136,48 +130,64 @@ def _of_file(file: Path, _changed: int) -> tuple[str, tuple[EntryPoint, ...]]:
 
 @lru_cache(maxsize=32)
 def _found(group: str, path: tuple[str, ...]) -> tuple[tuple[EntryPoint, str], ...]:
-    """The entry points, and the names of their packages, which are read from a file each."""
-    return tuple((point, _distribution(point)) for point in _installed(group, path))
+    """The entry points of a group in the packages on the import path, and the names of these packages."""
+    packages: dict[str, tuple[tuple[EntryPoint, str], ...]] = {}
+    for directory in dict.fromkeys(path):
+        for stem, points in _packages_in(directory):
+            # the first one of a name is the one that is imported
+            packages.setdefault(stem, points)
+    return tuple(pair for points in packages.values() for pair in points if pair[0].group == group)
 
 
-def _installed(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+@lru_cache(maxsize=256)
+def _packages_in(directory: str) -> tuple[tuple[str, tuple[tuple[EntryPoint, str], ...]], ...]:
+    """The packages in a directory of the import path, by their names in its files: their entry points of MORSE.
+
+    A directory is read once: the import path changes with each scene, and there are a dozen groups.
+    """
+    if os.path.isfile(directory):  # an archive
+        from importlib import metadata
+
+        try:
+            packages = [(_distribution(package), package) for package in metadata.distributions(path=[directory])]
+        except Exception as error:  # third-party data
+            _warn_of_package(f"the entry points in {directory} are left out: {error}")
+            return ()
+        return tuple((name, _points(package, directory)) for name, package in packages)
+    try:
+        names = sorted(name for name in os.listdir(directory or ".") if name.endswith(_SUFFIXES))
+    except OSError:
+        return ()
+    return tuple((_normal(Path(name).stem.partition("-")[0]), _of_folder(Path(directory, name))) for name in names)
+
+
+def _of_folder(folder: Path) -> tuple[tuple[EntryPoint, str], ...]:
     # avoids importing importlib.metadata (30 ms) if no package has such entry points
-    if not any(_mentions(group, Path(entry)) for entry in dict.fromkeys(path)):
+    try:
+        if b"[morse." not in read_regular(folder / "entry_points.txt"):
+            return ()
+    except OSError:
         return ()
     from importlib import metadata
 
+    return _points(metadata.Distribution.at(folder), str(folder))
+
+
+def _points(package: Distribution, place: str) -> tuple[tuple[EntryPoint, str], ...]:
     try:
-        return tuple(set(metadata.entry_points(group=group)))
-    except Exception:  # one broken package, which need not have to do with MORSE, would hide all others
-        points: dict[str, tuple[EntryPoint, ...]] = {}
-        for package in metadata.distributions():
-            try:
-                # the first one of a name is the one that is imported
-                points.setdefault(_normal(str(package.name or "")), tuple(package.entry_points.select(group=group)))
-            except Exception as error:  # third-party data
-                _warn_of_package(f"the entry points of {getattr(package, '_path', 'a package')} are left out: {error}")
-        return tuple({point for some in points.values() for point in some})
+        name = _distribution(package)
+        return tuple((point, name) for point in package.entry_points if point.group.startswith("morse."))
+    except Exception as error:  # third-party data: a broken package hides no others
+        _warn_of_package(f"the entry points in {place} are left out: {error}")
+        return ()
+
+
+def _distribution(package: Distribution) -> str:
+    """The name of an installed package; empty if it is unknown."""
+    # the folder of a package that was half removed has no name
+    return _normal(str(package.name or ""))
 
 
 @lru_cache(maxsize=32)
 def _warn_of_package(text: str) -> None:
     logger.warning("%s", text, extra=OF_MACHINE)
-
-
-@lru_cache(maxsize=256)
-def _mentions(group: str, directory: Path) -> bool:
-    """Whether a package in a directory of the import path has entry points of a group."""
-    if directory.is_file():
-        return True  # an archive, which importlib.metadata can read
-    try:
-        names = [name for name in os.listdir(directory) if name.endswith(_SUFFIXES)]
-    except OSError:
-        return False
-    return any(_declares(group, directory / name / "entry_points.txt") for name in names)
-
-
-def _declares(group: str, file: Path) -> bool:
-    try:
-        return f"[{group}]".encode() in read_regular(file)
-    except OSError:
-        return False
