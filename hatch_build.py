@@ -62,7 +62,8 @@ def build_index(root: Path) -> None:
         from morse.core.classes.definitions import write
 
         kinds = ("sensors", "actuators", "robots", "modifiers")
-        write(file for kind in kinds for file in (package / kind).glob("*.py"))
+        folders = (package, *sorted((package / "plugins").iterdir()))
+        write(file for folder in folders for kind in kinds for file in (folder / kind).glob("*.py"))
     finally:
         sys.path.remove(str(root / "src"))
 

@@ -26,6 +26,7 @@ PLUGINS = sorted(path.name for path in ROOM.iterdir() if (path / "__init__.py").
 WORDS = {
     "blend": r"plugins[./]blend|read_blend",
     "legacy": r"plugins[./]legacy|builder[./]legacy",
+    "senses": r"plugins[./]senses",  # a verb, too
     "ros": r"(?<!find\()[\"']ros[\"']|plugins\.ros\b",
 }
 POINTS = {

@@ -92,21 +92,28 @@ def docstring(cls: type) -> str:
 
 def star_import() -> str:
     """The stub of the package: every name that ``from morse.builder import *`` provides."""
-    lines = []
-    variables = []
+    lines, variables, classes = [], [], []
     for name in morse.builder.__all__:
         value = getattr(morse.builder, name)
         if inspect.ismodule(value):
             parent, _, last = value.__name__.rpartition(".")
             known = {"posixpath": "os.path"}.get(value.__name__, value.__name__)
             lines.append(f"from {parent} import {last} as {name}" if parent else f"import {known} as {name}")
+        elif inspect.isclass(value) and value.__module__ == morse.builder.__name__:
+            # of a plug-in
+            classes += ["", *class_lines(name, value)]
+            lines += [imported(base.__name__, base) for base in value.__bases__]
         elif inspect.isclass(value):
             lines.append(imported(name, value))
         else:
             variables.append(f"{name}: {type(value).__module__}.{type(value).__name__}")
     # modules that scripts may also use as attributes of the package
     lines += [f"from morse.builder import {name} as {name}" for name in ("actuators", "robots", "sensors")]
-    return "\n".join([HEADER, *sorted(set(lines)), f"__all__ = {sorted(morse.builder.__all__)!r}", *variables]) + "\n"
+    body = [*variables, *classes]
+    names = [name for name in ("Any", "Literal") if any(f" {name}" in line for line in body)]
+    if names:
+        lines.append(f"from typing import {', '.join(names)}")
+    return "\n".join([HEADER, *sorted(set(lines)), f"__all__ = {sorted(morse.builder.__all__)!r}", *body]) + "\n"
 
 
 def main() -> None:

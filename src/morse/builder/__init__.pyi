@@ -155,6 +155,7 @@ from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
 from morse.core.exceptions import NoComponentError as NoComponentError
 from morse.core.exceptions import UnexportableError as UnexportableError
 from morse.scene.scene import TimeStrategies as TimeStrategies
+from typing import Any
 import logging as logging
 import math as math
 import os as os
@@ -163,6 +164,7 @@ import sys as sys
 
 __all__ = [
     "ADIS16448",
+    "ARS408",
     "ATRV",
     "AbstractComponent",
     "Accelerometer",
@@ -270,6 +272,7 @@ __all__ = [
     "Quadrotor",
     "QuadrotorDynamicControl",
     "RMax",
+    "Radar",
     "RadarAltimeter",
     "RangeFinder",
     "RawImage",
@@ -322,3 +325,43 @@ __all__ = [
     "sys",
 ]
 logger: logging.Logger
+
+class ARS408(SensorCreator):
+    """A Continental ARS 408-21, far scan: 250 m, 18 degrees, resolution of 1.79 m and 1.6 degrees."""
+    def properties(
+        self,
+        *,
+        carrier: float = ...,
+        bandwidth: float = ...,
+        range_bins: int = ...,
+        doppler_bins: int = ...,
+        max_velocity: float = ...,
+        azimuth_fov: float = ...,
+        elevation_fov: float = ...,
+        ray_spacing: float = ...,
+        azimuth_resolution: float = ...,
+        sensitivity: float = ...,
+        most_detections: int = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class Radar(SensorCreator):
+    """Measures range, angle, velocity and cross-section of reflecting objects"""
+    def properties(
+        self,
+        *,
+        carrier: float = ...,
+        bandwidth: float = ...,
+        range_bins: int = ...,
+        doppler_bins: int = ...,
+        max_velocity: float = ...,
+        azimuth_fov: float = ...,
+        elevation_fov: float = ...,
+        ray_spacing: float = ...,
+        azimuth_resolution: float = ...,
+        sensitivity: float = ...,
+        most_detections: int = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.kinds.table import GENERAL, KINDS
+from morse.core.kinds.table import GENERAL, KINDS, kind_named
 from morse.core.reports.quoting import nearest, shown
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def maps(*kinds: str, direction: str = OUT, mark: str = _MARK) -> Callable[[_F],
         MorseDeclarationError: there is no such kind or direction.
     """
     for kind in kinds:
-        if kind not in KINDS:
+        if kind_named(kind) is None:
             raise MorseDeclarationError(f"there is no message kind {shown(kind)}{nearest(kind, KINDS, limit=30)}")
     if direction not in (OUT, IN):
         raise MorseDeclarationError(f"a direction is '{OUT}' or '{IN}', not {shown(direction)}")

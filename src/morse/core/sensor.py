@@ -103,6 +103,14 @@ class Sensor(Object):
             return known_data(self)
         return present_data(self)
 
+    def tick_random(self, purpose: str = "") -> np.random.Generator:
+        """Return a generator of random numbers that depends only on the seed, this component, the tick and ``purpose``.
+
+        A sensor that draws its noise from it has no state of random numbers: a measurement has the same noise in a
+        batch, after a restored state, and whether or not somebody has read the measurements before it.
+        """
+        return self.context.random(f"{self.name()}/{purpose}/{self.clock.tick}")
+
     def watched_space(self) -> WatchedSpace | None:
         """The space that the sensor observes, for the live view; None if only its rays are shown."""
         return None

@@ -151,6 +151,7 @@ def _each(function: Callable[..., float], inputs: int) -> Callable[..., Floats]:
 
 
 cos, sin, arccos, arcsin = (_each(function, 1) for function in (math.cos, math.sin, math.acos, math.asin))
+exp, log, log10 = (_each(function, 1) for function in (math.exp, math.log, math.log10))
 arctan2, power = _each(math.atan2, 2), _each(math.pow, 2)
 
 

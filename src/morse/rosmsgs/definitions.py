@@ -6,11 +6,16 @@ ackermann_msgs and vision_msgs.
 
 from __future__ import annotations
 
+import logging
 import re
 from functools import cache
 from typing import NamedTuple
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.rosmsgs.table import extensions
+from morse.system import OF_MACHINE
+
+logger = logging.getLogger(__name__)
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec
@@ -146,6 +151,7 @@ PRIMITIVES = {
     "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
 }  # fmt: skip
 SINGLE, SEQUENCE = -1, 0
+_NAMED = re.compile(r"[a-z]\w*/[A-Z]\w*")
 
 
 class MessageField(NamedTuple):
@@ -171,10 +177,33 @@ def _full(name: str) -> str:
 @cache
 def messages() -> dict[str, tuple[MessageField, ...]]:
     """All messages by their full name (``std_msgs/msg/Header``), each after the messages that it contains."""
-    definitions = {}
-    for line in re.sub(r",\n +", ", ", _MESSAGES).strip().splitlines():
-        name, _, fields = line.partition(": ")
-        definitions[_full(name)] = tuple(_field(text) for text in fields.split(", "))
+    definitions = _read(_MESSAGES, {})
+    for extension in extensions():
+        try:
+            definitions |= _read(extension.messages, definitions)
+        except ValueError as error:
+            logger.warning("the ROS messages of a package are left out: %s", error, extra=OF_MACHINE)
+    return definitions
+
+
+def _read(text: str, known: dict[str, tuple[MessageField, ...]]) -> dict[str, tuple[MessageField, ...]]:
+    """The messages in a text; those that are already known keep their definition.
+
+    Raises:
+        ValueError: a line is no definition, or contains a message that is not known.
+    """
+    definitions: dict[str, tuple[MessageField, ...]] = {}
+    for line in re.sub(r",\n +", ", ", text).strip().splitlines():
+        name, colon, fields = line.strip().partition(": ")
+        if not (colon and _NAMED.fullmatch(name)):
+            raise ValueError(f"expected 'package/Name: type name, type name', got {line!r:.80}")
+        read = tuple(_field(field) for field in fields.split(", "))
+        for field in read:
+            known_type = field.type in PRIMITIVES or field.type == "string" or field.type in (known | definitions)
+            if not (known_type and field.name.isidentifier()):
+                raise ValueError(f"{name}: the field '{field.name}' has the unknown type '{field.type}'")
+        if _full(name) not in known:
+            definitions[_full(name)] = read
     return definitions
 
 

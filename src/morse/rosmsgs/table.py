@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import logging
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypeVar
 
-from morse.core.kinds.table import GENERAL
+from morse.core.classes.plugins import PluginError, entry_points, load
+from morse.core.kinds.table import GENERAL, KINDS
 from morse.core.mapping import IN, OUT, mapped_kinds, maps
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from importlib.metadata import EntryPoint
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import DecodedMessage, RosMessage
@@ -145,6 +150,49 @@ class TopicTable:
         return self._ports(carrier, bound, IN)  # type: ignore[return-value]
 
     def _ports(self, carrier: Carrier, bound: BoundKind, direction: str) -> list[Outlet] | list[Inlet]:
-        methods = self._methods
-        name = methods.get((bound.kind.name, direction)) or methods.get((GENERAL, direction))
+        kind = bound.kind.name
+        name = self._methods.get((kind, direction))
+        if name is None and kind not in KINDS:
+            for extension in extensions():
+                if extension.topics.has(kind, direction):
+                    return extension.topics._ports(carrier, bound, direction)
+        name = name or self._methods.get((GENERAL, direction))
         return [] if name is None else list(getattr(self, name)(carrier, bound))
+
+
+class RosExtension(NamedTuple):
+    """What a package adds to the messages of ROS: an entry point ``morse.ros_messages`` names one.
+
+    Attributes:
+        topics: the topics of its message kinds (``morse.kinds``). Kinds of MORSE keep their topics.
+        messages: the definitions of messages that MORSE does not have, a line for each, as in
+            `morse.rosmsgs.definitions`: ``my_msgs/Scan: std_msgs/Header header, my_msgs/Echo[] echoes``; a message
+            follows those that it contains.
+    """
+
+    topics: TopicTable
+    messages: str = ""
+
+
+logger = logging.getLogger(__name__)
+
+
+def extensions() -> list[RosExtension]:
+    """The extensions of all installed packages."""
+    found = (_loaded(point) for point in entry_points("morse.ros_messages"))
+    return [extension for extension in found if extension is not None]
+
+
+@lru_cache(maxsize=64)
+def _loaded(point: EntryPoint) -> RosExtension | None:
+    try:
+        return load(point, _checked)
+    except PluginError as error:  # a broken package must not prevent loading the others
+        logger.warning("the ROS messages of %s are left out: %s", point.value, error, extra=OF_MACHINE)
+        return None
+
+
+def _checked(entry: object) -> RosExtension:
+    if isinstance(entry, RosExtension) and isinstance(entry.topics, TopicTable) and isinstance(entry.messages, str):
+        return entry
+    raise TypeError(f"expected a morse.rosmsgs.table.RosExtension, got {type(entry).__name__}")

@@ -75,6 +75,7 @@ class ComponentDescription(Struct, frozen=True):
         robot: the name of its robot.
         title: name of its class, for display.
         frequency: Hz.
+        pictured: whether it has a picture to show: an image, or what its method ``shown`` makes of its data.
     """
 
     name: str
@@ -85,6 +86,7 @@ class ComponentDescription(Struct, frozen=True):
     frequency: float = 0.0
     level: str = ""
     active: bool = True
+    pictured: bool = False
     data: list[FieldDescription] = []
     properties: list[PropertyDescription] = []
     services: list[ServiceDescription] = []

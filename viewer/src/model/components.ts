@@ -99,7 +99,7 @@ export class Components {
   }
 }
 
-/** Whether a component captures images; those of some cameras are not in their data. */
-export function isCamera({ kind, data, properties }: ComponentDescription): boolean {
-  return kind === "sensor" && (data.some(({ name }) => name === "image") || properties.some(({ name }) => name === "cam_width"));
+/** Whether a component has pictures: a camera, or a sensor that shows its data as one. */
+export function isCamera({ kind, pictured }: ComponentDescription): boolean {
+  return kind === "sensor" && pictured;
 }

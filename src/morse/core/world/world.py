@@ -287,6 +287,20 @@ class RayBundle(Sight, Protocol):
     def remissions(self) -> NDArray[np.float64]:
         """(N,) reflectance, 0..1: the ``specular`` of the material at each hit; 0 for no hit."""
 
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        """(N, 3) unit vectors perpendicular to the surface at each hit, on the side of the sensor; zeros for no hit.
+
+        In the frame of the directions; read them in the tick of the cast, because they follow from the present poses.
+        """
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """(N, 3) velocity over the ground of the surface at each hit, m/s; zeros for no hit.
+
+        In the frame of the directions; read them in the tick of the cast, because they follow from the present motion.
+        """
+
     def object_of(self, ray: int) -> Body | None:
         """Return the object that a ray has hit; None for no hit, or if the object has been removed since."""
 

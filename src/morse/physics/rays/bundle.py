@@ -135,6 +135,12 @@ class Casting(Protocol):
     def serve(self, requests: Sequence[RayBundle]) -> None:
         """Cast the bundles that components have requested for a tick."""
 
+    def normals_of(self, bundle: RayBundle) -> NDArray[np.float64]:
+        """See `RayBundle.normals`."""
+
+    def velocities_of(self, bundle: RayBundle) -> NDArray[np.float64]:
+        """See `RayBundle.velocities`."""
+
     def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
         """Validate directions (N, 3) and return them as unit vectors."""
 
@@ -229,6 +235,27 @@ class RayBundle:
         """(N,) reflectance, 0..1: the ``specular`` of the material at each hit; 0 for no hit."""
         return self.sight.remissions
 
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        """(N, 3) unit vectors perpendicular to the surface at each hit, on the side of the sensor; zeros for no hit.
+
+        They are given like the directions, and computed from the present poses: read them in the tick of the cast.
+        """
+        return self._rays.normals_of(self)
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """(N, 3) velocity over the ground of the surface at each hit, m/s, given like the directions; zeros for no hit.
+
+        They are computed from the present motion: read them in the tick of the cast.
+        """
+        return self._rays.velocities_of(self)
+
+    def frame(self) -> tuple[Sequence[float], NDArray[np.float64]]:
+        """Return the position (3,) of the object in the world, m, and the rotation (3, 3) of the rays to the world."""
+        position, rotation = self.obj.world_pose()
+        return position, np.eye(3) if self.upright else np.reshape(rotation, (3, 3))
+
     def object_of(self, ray: int) -> GameObject | None:
         """Return the object that a ray has hit; None for no hit, or if the object has been removed since."""
         solid = int(self.hit[ray])
@@ -236,8 +263,8 @@ class RayBundle:
 
     def segments(self) -> NDArray[np.float32]:
         """Return (N, 7) origin, end (m, world frame) and 1 for a hit, 0 for no hit."""
-        position, rotation = self.obj.world_pose()
-        turn = np.eye(3) if self.upright else np.reshape(rotation, (3, 3)).T
+        position, turn = self.frame()
+        turn = turn.T
         result = np.empty((len(self), 7), dtype=np.float32)
         origins = np.zeros((len(self), 3)) if self.origins is None else self.origins
         result[:, 0:3] = matmul(origins, turn) + position

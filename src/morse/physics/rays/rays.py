@@ -9,9 +9,9 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from morse.kernel.rays import BOX, CAPSULE, CYLINDER, ELLIPSOID, Fan, NativeRays, Poses, SolidArrays, ray_caster
+from morse.kernel.rays import BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, Fan, NativeRays, Poses, SolidArrays, ray_caster
 from morse.mathutils import Vector
-from morse.mathutils.portable import matmul, norm
+from morse.mathutils.portable import matmul
 from morse.physics.objects.object_world import ObjectWorld
 from morse.physics.rays.bundle import RayBundle, Scan, farther
 from morse.physics.rays.solids import Solids, body_of, owner
@@ -124,33 +124,49 @@ class Caster:
 
     # -- hits ------------------------------------------------------------------------------
 
-    def normal(self, solid: int, point: NDArray[np.float64], face: int) -> NDArray[np.float64]:
-        """Return the unit normal (3,), world axes, of a solid at a hit point (3,) relative to the anchor."""
-        rotation, mesh = self._rays.rotations[solid], self._solids.meshes[solid]
-        if mesh is not None:
-            local = mesh.normals[face]
-        else:
-            here = matmul(rotation.T, point - self._rays.positions[solid])
-            local = _normal(int(self._solids.kinds[solid]), here, self._solids.sizes[solid])
-        return np.asarray(matmul(rotation, local), dtype=np.float64)
+    def normals(
+        self, solids: NDArray[np.int64], points: NDArray[np.float64], faces: NDArray[np.int32]
+    ) -> NDArray[np.float64]:
+        """Return the unit normals (N, 3), world axes, of solids (N,) at hit points (N, 3) relative to the anchor."""
+        rotations = self._rays.rotations[solids]
+        away = points - self._rays.positions[solids]
+        here = np.stack([_sum_of_three(rotations[:, :, axis], away) for axis in range(3)], axis=1)
+        local = np.zeros((len(solids), 3))
+        kinds, sizes = self._solids.kinds[solids], self._solids.sizes[solids]
+        for kind in np.unique(kinds).tolist():
+            if kind != MESH:
+                rows = kinds == kind
+                local[rows] = _normals(kind, here[rows], sizes[rows])
+        for solid in np.unique(solids[kinds == MESH]).tolist():
+            mesh, rows = self._solids.meshes[solid], solids == solid
+            if mesh is not None:
+                local[rows] = mesh.normals[faces[rows]]
+        return np.stack([_sum_of_three(rotations[:, axis], local) for axis in range(3)], axis=1)
 
 
-def _normal(kind: int, point: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Outward unit normal (3,) of a primitive at a point (3,) of its surface."""
+def _sum_of_three(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the scalar products (N,) of two arrays (N, 3)."""
+    return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2])
+
+
+def _normals(kind: int, points: NDArray[np.float64], sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Outward unit normals (N, 3) of primitives of one kind at points (N, 3) of their surfaces."""
     if kind == BOX:
-        axis = int(np.argmax(np.abs(point) / size))
-        result = np.zeros(3)
-        result[axis] = np.copysign(1.0, point[axis])
+        rows = np.arange(len(points))
+        axes = np.argmax(np.abs(points) / sizes, axis=1)
+        result = np.zeros((len(points), 3))
+        result[rows, axes] = np.copysign(1.0, points[rows, axes])
         return result
     if kind == ELLIPSOID:
-        result = point / size**2
+        result = points / sizes**2
     elif kind == CYLINDER:
-        on_end = abs(point[2]) / size[1] > np.hypot(point[0], point[1]) / size[0]
-        result = np.array([0.0, 0.0, point[2]]) if on_end else np.array([point[0], point[1], 0.0])
+        on_end = np.abs(points[:, 2]) / sizes[:, 1] > np.hypot(points[:, 0], points[:, 1]) / sizes[:, 0]
+        result = np.where(on_end[:, None], points * (0.0, 0.0, 1.0), points * (1.0, 1.0, 0.0))
     else:
-        half = size[1] if kind == CAPSULE else 0.0
-        result = point - np.array([0.0, 0.0, np.clip(point[2], -half, half)])
-    return np.asarray(result / norm(result), dtype=np.float64)
+        half = sizes[:, 1] if kind == CAPSULE else np.zeros(len(points))
+        result = points.copy()
+        result[:, 2] -= np.clip(points[:, 2], -half, half)
+    return np.asarray(result / np.sqrt(_sum_of_three(result, result))[:, None], dtype=np.float64)
 
 
 class _Group:
@@ -334,7 +350,8 @@ class Rays:
         if solid < 0:
             return None
         apart = way * distances[0, 0]
-        normal = self._caster.normal(solid, place - self._caster.anchor + apart, int(faces[0, 0]))
+        point = place - self._caster.anchor + apart
+        normal = self._caster.normals(solids[0], point[None], faces[0])[0]
         if matmul(normal, way) > 0.0:
             normal = -normal
         return self.object_of(solid), Vector((place + apart).tolist()), Vector(normal.tolist())
@@ -349,9 +366,46 @@ class Rays:
         """The object of a node, if the node is still in the world."""
         return self._world.find_object(node)
 
+    def normals_of(self, bundle: RayBundle) -> NDArray[np.float64]:
+        """Return the normals (N, 3) at the hits of a bundle in its frame, against the rays; zeros for no hit."""
+        result = np.zeros((len(bundle), 3))
+        seen = np.flatnonzero(bundle.hit >= 0)
+        if len(seen) and bundle.sight.scan.known is self._solids:
+            position, turn = bundle.frame()
+            points = _turned(bundle.points[seen], turn) + (np.array(position) - self._caster.anchor)
+            found = self._caster.normals(bundle.hit[seen], points, bundle.sight.faces[seen])
+            inside = _turned(found, turn.T)
+            ahead = _sum_of_three(inside, bundle.directions[seen]) > 0.0
+            result[seen] = np.where(ahead[:, None], -inside, inside) + 0.0
+        return result
+
+    def velocities_of(self, bundle: RayBundle) -> NDArray[np.float64]:
+        """Return the velocities (N, 3) of the surfaces at the hits of a bundle, over the ground, in its frame, m/s."""
+        result = np.zeros((len(bundle), 3))
+        hit = bundle.hit
+        if bundle.sight.scan.known is not self._solids:
+            return result
+        position, turn = bundle.frame()
+        for solid in np.unique(hit[hit >= 0]).tolist():
+            obj = self.object_at(self._solids.nodes[solid])
+            if obj is None:
+                continue
+            linear, angular = obj.velocity()
+            if not (any(linear) or any(angular)):
+                continue
+            rows = hit == solid
+            arms = _turned(bundle.points[rows], turn) + (np.array(position) - np.array(obj.world_pose()[0]))
+            result[rows] = _turned(np.array(linear) + np.cross(np.array(angular), arms), turn.T)
+        return result
+
     def without(self, prop: str) -> NDArray[np.bool_]:
         """Return (S,) booleans: solids whose objects do not have a property."""
         return np.array([prop not in self._world.object_of(node) for node in self._solids.nodes], dtype=bool)
+
+
+def _turned(rows: NDArray[np.float64], turn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return vectors (N, 3) rotated by a matrix (3, 3)."""
+    return np.asarray(matmul(rows, turn.T))
 
 
 def _rows_of_three(values: ArrayLike, what: str) -> NDArray[np.float64]:

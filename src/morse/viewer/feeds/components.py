@@ -103,6 +103,7 @@ def _component(component: Component, kind: str, robot: str) -> ComponentDescript
         frequency=component.frequency,
         level=component.level or "",
         active=component.active,
+        pictured=hasattr(component, "shown") or "image" in data,
         data=[
             FieldDescription(name, field.type, field.doc, field.unit, *_bounds(field))
             for name, field in fields_of_component(component).items()

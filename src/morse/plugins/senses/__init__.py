@@ -1,0 +1,1 @@
+"""Radar, sonar, Doppler logs, event cameras and other senses that few simulations need."""
