@@ -88,6 +88,7 @@ class Steps:
             or state.has_forces
             or state.touched
             or state.sliding.has_objects
+            or state.impacts.is_needed
             or self._unstable is not None
             or state.model.opt.enableflags & _SLEEP
         )

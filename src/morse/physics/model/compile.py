@@ -17,7 +17,7 @@ from morse.physics.driving.command import friction_of, set_damping
 from morse.physics.driving.supports import round_wheels, supports
 from morse.physics.gliding.feet import PlaneBuilder, Stance, stance, trimmed
 from morse.physics.model.articulated import Articulated, is_single_link
-from morse.physics.model.couplings import IMPEDANCE, CouplingBuilder, add_links, solver_of
+from morse.physics.model.couplings import CouplingBuilder, add_links
 from morse.physics.model.files import Files, are_all_from_files, level, models_of, set_ground, set_options
 from morse.physics.model.layout import Frame, Motion, Slot, frames_of
 from morse.physics.model.shapes import (
@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 #: longest time step of the engine that neither a script nor a file asks for, s: with a step of 1/60 s, a robot pushing
 #: into a wall penetrates it by 10 mm
 MAX_STEP = 1.0 / 240.0
-#: that of scenes with bodies that bounce: gravity acts during an impact, and takes speed in proportion to its duration
-BOUNCING_STEP = 1.0 / 1920.0
+#: that of scenes with bodies that bounce, which overlap for one step
+BOUNCING_STEP = 1.0 / 960.0
 #: default friction coefficient
 DEFAULT_FRICTION = 0.7
 #: sum of the inertias for which the tolerance of the solver holds, kg: that of one robot
@@ -85,6 +85,7 @@ class Compiled:
         file_motors: actuators of MJCF files that are no motors of single joints.
         link_bodies: the body of each link of MJCF files.
         planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floors`.
+        restitution: (ngeom,) of each geom, from 0 to 1, or -1.
         physics_of_1_4: see `morse.physics.driving.command`.
     """
 
@@ -96,6 +97,7 @@ class Compiled:
     file_motors: list[FileMotor]
     link_bodies: dict[Node, int]
     planes: dict[int, int]
+    restitution: NDArray[np.float64]
     physics_of_1_4: bool = False
 
     def copy(self) -> Compiled:
@@ -161,7 +163,8 @@ def _compile(scene: Scene) -> Compiled:
     builder.files.resolve(model, data, geom_node)
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}
     motors, links = builder.files.motors, builder.files.link_bodies
-    return Compiled(model, data, slots, steps, geom_node, motors, links, planes, settings.physics_of_1_4)
+    restitution = builder.restitution(model)
+    return Compiled(model, data, slots, steps, geom_node, motors, links, planes, restitution, settings.physics_of_1_4)
 
 
 def _steps(settings: Settings, frames: Sequence[Frame], of_files: Sequence[float], *, as_in_files: bool) -> int:
@@ -221,6 +224,7 @@ class _Builder:
         self._has_wheels = any(frame.motion is Motion.HINGE for frame in frames)
         self.articulated = Articulated(spec, frames)
         self.planes = PlaneBuilder()
+        self._bounces: list[tuple[mujoco.MjsGeom, float]] = []
         self._bodies: dict[Frame, mujoco.MjsBody] = {}
         self._geoms: list[tuple[mujoco.MjsGeom, Node, Slot]] = []
         self._feet: list[tuple[mujoco.MjsGeom, Node, Slot]] = []
@@ -418,14 +422,23 @@ class _Builder:
             # the friction of a script applies to all contacts, not only to contacts with lower friction, and that of a
             # body that moves also where the ground has one
             geom.priority = max(geom.priority, 1) if frame.motion is Motion.FIXED else max(geom.priority, 1) + 1
-        bounces = [body.restitution for body in (node.body, frame.node.body) if body.restitution is not None]
-        if bounces:
-            geom.solref, geom.solimp = solver_of(max(bounces), self._step), IMPEDANCE
-            geom.priority = max(geom.priority, 1)
+        self._note_restitution(geom, node, frame.node)
         if node in supports(frame):
             geom.condim, geom.priority = 1, 3
         if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
             geom.contype = geom.conaffinity = 0
+
+    def _note_restitution(self, geom: mujoco.MjsGeom, *nodes: Node) -> None:
+        ratios = [node.body.restitution for node in nodes if node.body.restitution is not None]
+        if ratios:
+            self._bounces.append((geom, max(ratios)))
+
+    def restitution(self, model: mujoco.MjModel) -> NDArray[np.float64]:
+        """Return the restitution (ngeom,) of each geom, from 0 to 1, or -1."""
+        ratios = np.full(model.ngeom, -1.0)
+        for geom, ratio in self._bounces:
+            ratios[geom.id] = ratio
+        return ratios
 
     def _add_wheel(self, frame: Frame, slot: Slot, body: mujoco.MjsBody) -> None:
         node = frame.node
@@ -451,6 +464,7 @@ class _Builder:
         mu = float(friction) if isinstance(friction, (int, float)) and 0.0 <= friction < math.inf else 1.0
         geom.friction = [mu, _TORSIONAL, _ROLLING]
         geom.priority = 1
+        self._note_restitution(geom, node, frame.parent.node)
         self._geoms.append((geom, node, slot))
         motor = self._spec.add_actuator(name=node.name, target=node.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         # reduces the difference to the commanded speed by nine tenths in each step

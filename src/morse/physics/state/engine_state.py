@@ -1,4 +1,4 @@
-"""The state of the engine and the poses of all slots, without behaviour."""
+"""The state of the engine and the poses of all slots, and what its steps do beside the engine."""
 
 from __future__ import annotations
 
@@ -27,10 +27,15 @@ _SLIP = 0.25
 _DIVERGED = 1e6
 #: contacts with a larger time constant, in steps, are soft on purpose
 _STIFF = 3.0
+#: bodies that bounce rest below the speed that gravity adds in so many steps
+_RESTING_STEPS = 2.0
+#: factors for the contacts of bodies that bounce: they do not give way, but these are lifted out of each other slowly,
+#: since the speed would be that of a bounce
+_HARDER, _SOFTER = 1e3, 1e2
 
 
 class Sliding:
-    """Runs steps of the engine in which some objects slide.
+    """Changes the contacts of objects that slide.
 
     Args:
         slots: the objects of the model.
@@ -58,15 +63,7 @@ class Sliding:
         if self.is_needed:
             self._slides[self._bodies] = fast
 
-    def run(self, steps: int) -> None:
-        """Run steps of the engine."""
-        for _ in range(steps):
-            mujoco.mj_step1(self._model, self._data)
-            if self._data.ncon:
-                self._limit()
-            mujoco.mj_step2(self._model, self._data)
-
-    def _limit(self) -> None:
+    def change(self) -> None:
         """Limit the change of the slip that the contacts of sliding objects ask for."""
         data, contact = self._data, self._data.contact
         rows = contact.efc_address
@@ -81,6 +78,91 @@ class Sliding:
         share = np.minimum(1.0, (_SLIP + np.abs(near)) / np.maximum(slip, _SLIP))
         data.efc_aref[first + 1] *= share
         data.efc_aref[first + 2] *= share
+
+
+class Impacts:
+    """Reflects bodies that bounce by Newton's law: the speed after an impact is that before it, times the restitution.
+
+    The law holds in the one step of the engine in which shapes begin to overlap. Both speeds are those at the surface,
+    which the body crosses within the step: with the acceleration a, the gap x and the speed v at the beginning of a
+    step, the engine moves the body along the parabola of the speed u = v + a dt / 2, which is sqrt(u² - 2 a x) at the
+    surface. So heights depend neither on the step nor on the time of the impact within it.
+
+    Slower approaches than what gravity adds in some steps are contacts at rest.
+
+    Args:
+        restitution: (ngeom,) of each shape, from 0 to 1; negative for those that have none.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, restitution: NDArray[np.float64]) -> None:
+        self._model, self._data, self._of_geom = model, data, restitution
+        self.is_needed = bool((restitution >= 0.0).any())
+        self._step = float(model.opt.timestep)
+        self._resting = _RESTING_STEPS * self._step * float(np.linalg.norm(model.opt.gravity)) + 1e-3
+        self._elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+
+    def change(self) -> None:
+        """Set what the contacts of shapes that bounce ask for in this step."""
+        data, contact = self._data, self._data.contact
+        of_both = self._of_geom[contact.geom]
+        # of two that bounce, the one that bounces less
+        ratios = np.where((of_both >= 0.0).all(axis=1), of_both.min(axis=1), of_both.max(axis=1))
+        chosen = np.flatnonzero((ratios >= 0.0) & (contact.efc_address >= 0))
+        if not len(chosen):
+            return
+        first, sizes = contact.efc_address[chosen], contact.dim[chosen]
+        if not self._elliptic:
+            # the rows of a pyramid have the normal direction and one along the surface, forwards and backwards
+            sizes = np.maximum(2 * (sizes - 1), 1)
+        owners = np.repeat(np.arange(len(chosen)), sizes)
+        rows = np.arange(len(owners)) + (first - np.cumsum(sizes) + sizes)[owners]
+        # what the constraints ask for is done, whatever shares the load
+        data.efc_D[rows] *= _HARDER
+        data.efc_R[rows] /= _HARDER
+        if data.nisland:
+            # the engine has copied the rows of its islands
+            copies = data.map_efc2iefc[rows]
+            data.iefc_D[copies], data.iefc_R[copies] = data.efc_D[rows], data.efc_R[rows]
+        stiffness, damping, impedance = data.efc_KBIP[first, :3].T
+        # more damping would reverse the speed
+        data.efc_aref[rows] *= np.minimum(1.0, 1.0 / (damping * self._step))[owners]
+        damping = np.minimum(damping, 1.0 / self._step)
+        if self._elliptic:
+            owners, rows = np.arange(len(chosen)), first
+        speeds, gaps = data.efc_vel[rows], data.efc_pos[first]
+        speed = np.bincount(owners, speeds) / np.bincount(owners)
+        wanted = -stiffness * impedance * gaps / _SOFTER - damping * speed
+        wanted[speed > self._resting] = -_DIVERGED
+        hits = np.flatnonzero(speed < -self._resting)
+        if len(hits):
+            free = np.bincount(owners, self._free_acceleration()[rows]) / np.bincount(owners)
+            after = self._speed_after(ratios[chosen[hits]], speed[hits], gaps[hits], free[hits])
+            wanted[hits] = (after - speed[hits]) / self._step
+        data.efc_aref[rows] = wanted[owners] - damping[owners] * (speeds - speed[owners])
+
+    def _free_acceleration(self) -> NDArray[np.float64]:
+        """The acceleration (nefc,) along each row without constraints."""
+        mujoco.mj_fwdActuation(self._model, self._data)
+        mujoco.mj_fwdAcceleration(self._model, self._data)
+        along = np.zeros(self._data.nefc)
+        mujoco.mj_mulJacVec(self._model, self._data, along, self._data.qacc_smooth)
+        return along
+
+    def _speed_after(
+        self,
+        ratio: NDArray[np.float64],
+        speed: NDArray[np.float64],
+        gap: NDArray[np.float64],
+        acceleration: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """The speeds at the end of the step, m/s."""
+        half = 0.5 * acceleration * self._step
+        before = speed + half
+        # a body that was put into another one has not fallen that far
+        gap = np.maximum(gap, -np.abs(before) * self._step)
+        squared = np.maximum(before * before - 2.0 * acceleration * gap, 0.0)
+        after: NDArray[np.float64] = half + np.sqrt(np.maximum(ratio * ratio * squared + 2.0 * acceleration * gap, 0.0))
+        return after
 
 
 class Steps(Protocol):
@@ -158,10 +240,16 @@ class EngineState:
 
     def take_steps(self, steps: int) -> None:
         """Run steps of the engine."""
-        if self.sliding.is_needed:
-            self.sliding.run(steps)
-        else:
+        changes = [one.change for one in (self.sliding, self.impacts) if one.is_needed]
+        if not changes:
             mujoco.mj_step(self.model, self.data, steps)
+            return
+        for _ in range(steps):
+            mujoco.mj_step1(self.model, self.data)
+            if self.data.ncon:
+                for change in changes:
+                    change()
+            mujoco.mj_step2(self.model, self.data)
 
     def take(self, compiled: Compiled, period: float) -> None:
         """Use a compiled model, with all poses from the scene."""
@@ -171,6 +259,7 @@ class EngineState:
         self.sleep = Sleep(self.model, self.data)
         self.slots: list[Slot] = compiled.slots
         self.sliding = Sliding(self.model, self.data, self.slots)
+        self.impacts = Impacts(self.model, self.data, compiled.restitution)
         self.geom_node: list[Node] = compiled.geom_node
         self.link_bodies: dict[Node, int] = compiled.link_bodies
         self.planes: dict[int, int] = compiled.planes
