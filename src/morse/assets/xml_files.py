@@ -23,6 +23,7 @@ class LocatedElement(ElementTree.Element):
     """An element that knows the line of the file in which it begins."""
 
     __slots__ = ("line",)
+    line: int
 
 
 def line_of(element: ElementTree.Element | None) -> str:

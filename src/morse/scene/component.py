@@ -122,6 +122,7 @@ class DeclaredSensor:
         noise: standard deviations of the white noise of fields; an empty name stands for all of them.
         has_own_visual: whether the file shows what the sensor looks like.
         stream: options of its streams that the file sets, such as the topic.
+        origin: the element of the file for messages, such as ``the plugin 'drive' (line 9)``.
     """
 
     name: str
@@ -134,6 +135,7 @@ class DeclaredSensor:
     stream: tuple[tuple[str, str | bool], ...] = ()
     noise: tuple[tuple[str, float], ...] = ()
     has_own_visual: bool = False
+    origin: str = ""
 
 
 def _checked(name: str, value: object, unit: str) -> None:

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+import morse
 from morse.assets.sdf import read_sdf
 
 
@@ -170,3 +171,51 @@ def test_a_wing_lifts(simulate, file) -> None:
         z += (lift * math.cos(path) - drag * math.sin(path) - loss * z) / 60.0
     assert after["world_linear_velocity"] == pytest.approx([x, 0.0, z], abs=0.01)
     assert z > before["world_linear_velocity"][2] + 0.05
+
+
+_WRONG = {
+    "<wheel_radius>0.1<": ("-1", "the plugin 'gz::sim::systems::DiffDrive' (line {line}) is left out"),
+    "<wheel_separation>0.3<": ("-0.5", "the plugin 'gz::sim::systems::DiffDrive' (line {line}) is left out"),
+    "<motorConstant>8.5e-6<": ("-1e9", "the plugin 'prop' (line {line}) is left out"),
+    "<maxRotVelocity>800<": ("-1", "the plugin 'prop' (line {line}) is left out"),
+    "<area>0.2<": ("-0.2", "the plugin 'wing' (line {line}) is left out"),
+    "<a0>0.05<": ("77", "the plugin 'wing' (line {line}) is left out"),
+    "<pose>0 0 0.12 0 0 0<": ("0 0 0.12 inf 0 0", "(line {line})"),
+    "<update_rate>30<": ("many", "the plugin 'states' (line {line}) is left out"),
+    "<wheel_base>0.3<": ("-3", "the plugin 'steer' (line {line}) is left out"),
+}
+_MORE = """
+<plugin name="prop" filename="libgazebo_motor_model.so"><jointName>ball</jointName><linkName>caster</linkName>
+<motorConstant>8.5e-6</motorConstant><maxRotVelocity>800</maxRotVelocity></plugin>
+<plugin name="wing" filename="libLiftDragPlugin.so"><link_name>chassis</link_name><area>0.2</area><a0>0.05</a0></plugin>
+<plugin name="states" filename="gz-sim-joint-state-publisher-system"><update_rate>30</update_rate></plugin>
+<plugin name="steer" filename="libgazebo_ros_ackermann_drive.so"><left_joint>left_joint</left_joint>
+<right_joint>right_joint</right_joint><left_steering_joint>left_joint</left_steering_joint>
+<right_steering_joint>right_joint</right_steering_joint><wheel_base>0.3</wheel_base></plugin>
+"""
+
+
+@pytest.mark.parametrize("number", _WRONG)
+def test_a_number_that_no_component_takes_names_file_line_and_plugin(file, tmp_path, caplog, number: str) -> None:
+    """A negative diameter stopped the scene, without a word about the file."""
+    text = CART.replace("</model>", f"{_MORE}</model>")
+    value, expected = _WRONG[number]
+    tag = number[1:].partition(">")[0]
+    assert number in text
+    changed = text.replace(number, f"<{tag}>{value}<", 1)
+    place = changed.index(f"<{tag}>{value}<")
+    if "plugin" in expected:
+        place = changed.rindex("<plugin", 0, place)
+    script = tmp_path / "scene.py"
+    script.write_text("from morse.builder import *\n" + SCENE.format(file=file(changed), z=0.002))
+    line = changed.count("\n", 0, place) + 1
+    wanted = expected.format(line=line)
+    try:
+        with morse.load(script) as simulation:
+            simulation.step(1)
+    except Exception as error:
+        said = str(error)
+    else:
+        said = "\n".join(record.getMessage() for record in caplog.records)
+    assert "model.sdf: " in said
+    assert wanted in said

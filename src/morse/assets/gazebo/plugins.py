@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.values import ValueMistakeError, boolean, number, text_of, vector
+from morse.assets.xml_files import line_of
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
 from morse.scene import Control
@@ -114,6 +115,7 @@ class Plugins:
         actuators, sensors: what the plugins stand for.
         driven: names of the joints that they move.
         torques: of the motors of joints, N m, as the plugins limit them.
+        element: the plugin that is read, for messages.
     """
 
     def __init__(
@@ -124,6 +126,13 @@ class Plugins:
         self.torques: dict[str, float] = {}
         self.actuators: list[DeclaredSensor] = []
         self.sensors: list[DeclaredSensor] = []
+        self.element: Element | None = None
+
+    @property
+    def origin(self) -> str:
+        """The plugin that is read, for messages; empty for none."""
+        one = self.element
+        return "" if one is None else f"the plugin '{(one.get('name') or '')[:80]}'{line_of(one)}"
 
     def named(self, element: Element, prefix: str, *tags: str) -> str:
         """The joints in some elements, separated by commas."""
@@ -161,7 +170,7 @@ class Plugins:
         self.actuators.append(
             DeclaredSensor(
                 name, product, f"{self.prefix}{link or self.links[0]}", (x, y, z), rotation, tuple(properties.items()),
-                stream=tuple((options or {}).items()),
+                stream=tuple((options or {}).items()), origin=self.origin,
             )
         )  # fmt: skip
 
@@ -173,7 +182,7 @@ class Plugins:
             DeclaredSensor(
                 name, product, f"{self.body}_joints" if joints else self.body, (0.0, 0.0, 0.0),
                 nine(list(Matrix.Identity(3))), frequency=frequency if 0.0 < frequency <= 10_000.0 else None,
-                stream=tuple(options.items()),
+                stream=tuple(options.items()), origin=self.origin,
             )
         )  # fmt: skip
 
@@ -332,10 +341,12 @@ def read_plugins(plugins: Plugins, elements: Iterable[tuple[Element, str]]) -> N
             if not _is_usual(word):
                 unknown.append(_name(element))
             continue
+        plugins.element = element
         try:
             convert(plugins, element, prefix)
         except ValueMistakeError as error:
-            plugins.warn(f"the plugin '{(element.get('name') or '')[:80]}' is left out: {error}")
+            plugins.warn(f"{plugins.origin} is left out: {error}")
+        plugins.element = None
     if unknown:
         plugins.warn(f"plugins that MORSE does not have are left out: {', '.join(dict.fromkeys(unknown))[:400]}")
 

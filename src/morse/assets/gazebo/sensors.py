@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.plugins import topic_of
 from morse.assets.gazebo.values import ValueMistakeError, number, text_of
+from morse.assets.xml_files import line_of
 from morse.mathutils import Euler, Matrix
 from morse.mathutils.rotations import nine
 from morse.scene.component import DeclaredSensor
@@ -111,10 +112,13 @@ def declared_sensors(
             what = kind or "no type" if kind not in _PRODUCTS else f"on the link '{link:.60}', which does not exist"
             unknown.append(f"'{name:.60}' ({what:.80})")
             continue
+        origin = f"the sensor '{name:.60}'{line_of(element)}"
         try:
-            sensors.append(replace(_sensor(element, name, kind, link), has_own_visual=link in shown))
+            sensor = _sensor(element, name, kind, link)
         except ValueError as error:
-            wrong.append(f"the sensor '{name:.60}' is left out: {error}")
+            wrong.append(f"{origin} is left out: {error}")
+        else:
+            sensors.append(replace(sensor, has_own_visual=link in shown, origin=origin))
     if unknown:
         wrong.append(f"sensors that MORSE does not have are left out: {', '.join(unknown[:10])}")
     return sensors, wrong

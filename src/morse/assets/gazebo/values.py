@@ -88,6 +88,8 @@ def pose_of(element: Element | None) -> Matrix:
     if element is None or not text:
         return Matrix.Identity(4)
     values = _floats(text.replace(",", " ").split(), "pose", element)
+    if not all(abs(value) <= FARTHEST for value in values):
+        raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected numbers up to {FARTHEST:g}{line_of(element)}")
     if element.get("rotation_format") == "quat_xyzw":
         if len(values) != 7 or not any(values[3:]):
             raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected 3 numbers and a quaternion{line_of(element)}")
@@ -98,8 +100,6 @@ def pose_of(element: Element | None) -> Matrix:
             raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected 6 numbers{line_of(element)}")
         factor = math.pi / 180.0 if (element.get("degrees") or "").lower() in _TRUE else 1.0
         pose = Euler([factor * angle for angle in values[3:]]).to_matrix().to_4x4()
-    if not all(abs(value) <= FARTHEST for value in values):
-        raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected numbers up to {FARTHEST:g}{line_of(element)}")
     pose.translation = values[:3]
     return pose
 

@@ -13,6 +13,7 @@ from morse.assets.robot_nodes import robot_library
 from morse.assets.sdf.joints import JointTree
 from morse.assets.sdf.scope import SEPARATOR, WORLD, FlatLink, joints_of, links_of
 from morse.assets.sdf.worlds import light_node
+from morse.assets.xml_files import LocatedElement
 from morse.mathutils import Matrix
 
 if TYPE_CHECKING:
@@ -234,7 +235,8 @@ def _in_link(element: Element, link: FlatLink) -> Element:
     if pose is None or not (pose.text or "").strip():
         return element
     place = link.place(element, element.get("name", ""))
-    copy = element.makeelement(element.tag, dict(element.attrib))
+    copy = LocatedElement(element.tag, dict(element.attrib))
+    copy.line = getattr(element, "line", 0)
     own = copy.makeelement("pose", {})
     own.text = " ".join(repr(value) for value in (*place.translation, *place.to_euler()))
     copy.extend([own, *(child for child in element if child is not pose)])

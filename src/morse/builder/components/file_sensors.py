@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.builder.components.sensors import MOUNTED
+from morse.builder.errors.declared import check_declared
 from morse.builder.names.catalog import load_class
 from morse.core.declarations import properties
+from morse.core.validation.spec import PropertyError
 from morse.mathutils import Euler, Matrix
 
 if TYPE_CHECKING:
@@ -18,8 +21,10 @@ if TYPE_CHECKING:
     from morse.scene import Node
     from morse.scene.component import DeclaredSensor
 
+logger = logging.getLogger(__name__)
 
-def add_walkers(roots: Iterable[Node], declarations: Iterable[DeclaredSensor]) -> None:
+
+def add_walkers(roots: Iterable[Node], declarations: Iterable[DeclaredSensor], file: str) -> None:
     """Make robots, which carry nothing but their path, of the objects of a world that move."""
     from morse.builder import workspace
 
@@ -33,13 +38,19 @@ def add_walkers(roots: Iterable[Node], declarations: Iterable[DeclaredSensor]) -
         robot.scene_node.rotation_euler[:] = node.rotation_euler
         node.location[:] = node.rotation_euler[:] = 0.0, 0.0, 0.0
         workspace.current().attach(robot.scene_node, node)
-        add_sensors(robot, [replace(one, name="path", link="")], "actuators")
+        add_sensors(robot, [replace(one, name="path", link="")], file, "actuators")
 
 
 def add_sensors(
-    robot: AbstractComponent, declarations: Iterable[DeclaredSensor], package: str = "sensors"
+    robot: AbstractComponent, declarations: Iterable[DeclaredSensor], file: str, package: str = "sensors"
 ) -> dict[str, AbstractComponent]:
-    """Create the sensors or actuators of a file on the links of a robot, and return them by name."""
+    """Create the sensors or actuators of a file on the links of a robot, and return them by name.
+
+    What has a value that its class refuses is left out, with a warning.
+
+    Args:
+        file: its name, for warnings.
+    """
     sensors: dict[str, AbstractComponent] = {}
     for one in declarations:
         name = base = re.sub(r"\W", "_", one.name, flags=re.ASCII) or package[:-1]
@@ -47,7 +58,13 @@ def add_sensors(
         while name in sensors:
             number += 1
             name = f"{base}_{number}"
-        sensor = load_class(f"morse.builder.{package}.{one.product}")(name)
+        product = load_class(f"morse.builder.{package}.{one.product}")
+        try:
+            check_declared(load_class(product._classpath), dict(one.properties))
+        except PropertyError as error:
+            logger.warning("%s: %s is left out: %s", file, one.origin or f"'{one.name:.80}'", error)
+            continue
+        sensor = product(name)
         r = one.rotation
         rotation = Matrix((r[:3], r[3:6], r[6:]))
         if hasattr(sensor, "rotate") and sensor.scene_node.rotation_euler[:] == list(MOUNTED):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from morse.builder.components.component import Component
@@ -123,11 +124,12 @@ class Robot(Matter, Component):
             from morse.builder.components.file_sensors import add_sensors
 
             names = {node.source_name for node in self.own_nodes()}
+            file = PurePath(library.path).name
             for package, parts, declarations in (
                 ("actuators", self.actuators, library.actuators),
                 ("sensors", self.sensors, library.sensors),
             ):
-                parts.update(add_sensors(self, [one for one in declarations if one.link in names], package))
+                parts.update(add_sensors(self, [one for one in declarations if one.link in names], file, package))
 
     def add_default_interface(self, stream: str) -> None:
         """Connect all components of the robot to a middleware; existing streams are not changed.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 from dataclasses import replace
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from morse.assets import find, load
@@ -118,7 +119,7 @@ class Environment(ViewMethods, TimeMethods):
         if library.walkers:
             from morse.builder.components.file_sensors import add_walkers
 
-            add_walkers(roots, library.walkers)
+            add_walkers(roots, library.walkers, PurePath(library.path).name)
         viewpoint = viewpoint_of(library)
         if viewpoint is not None and viewpoint.camera is not None:
             self._look_from(viewpoint, viewpoint.camera)
