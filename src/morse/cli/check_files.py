@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,24 +11,24 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from morse.assets.summary import class_of, contents
 from morse.cli.messages import CommandError, say, sentence
 from morse.cli.render import drawn, load, request_of
 from morse.cli.scenes import resolve
 from morse.core.exceptions import MorseError
 from morse.core.reports.printing import console, echo
-from morse.scene.articulation import JointKind
 from morse.system.free_names import free_path
 from morse.system.regular_files import check_default_name
 from morse.system.source_text import encoded_source
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
     from morse.builder.survey import Finding, Survey
-    from morse.scene import Bone, Library, Node
+    from morse.scene import Library, Node
     from morse.simulation.options import RunOptions
 
     Box = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -61,7 +60,7 @@ def draw(path: Path, library: Library, picture: Path) -> None:
     from morse.mathutils.portable import norm
     from morse.rendering import picture_files
 
-    kind = _class_of(library)
+    kind = class_of(library)
     low, high = _box(library)
     # the lowest point of a robot is on the floor
     lift = 0.0 if kind == "Environment" else -float(low[2])
@@ -79,13 +78,6 @@ def draw(path: Path, library: Library, picture: Path) -> None:
             picture_files.save_picture(picture, drawn(request, "color", True))
         finally:
             simulation.close()
-
-
-def _class_of(library: Library) -> str:
-    """The class of scene scripts for a model file."""
-    if library.world or (len(library.roots) > 1 and not library.robot):
-        return "Environment"
-    return "Robot" if any(node.bones for node in library.nodes()) else "PassiveObject"
 
 
 def _box(library: Library) -> Box:
@@ -129,7 +121,7 @@ def check_model(path: Path, picture: Path | None = None) -> int:
     except (ValueError, OSError) as error:
         raise CommandError(sentence(error)) from None
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
-    for name, content in _rows(library):
+    for name, content in contents(library):
         table.add_row(name, Text(content, overflow="fold"))
     console().print(table)
     target = picture or Path(f"{path.stem}_check.png")
@@ -142,61 +134,6 @@ def check_model(path: Path, picture: Path | None = None) -> int:
     say(f"Picture: {target}")
     say(f"{path.name} can be loaded.")
     return 0
-
-
-def _rows(library: Library) -> Iterator[tuple[str, str]]:
-    nodes = library.nodes()
-    bones = [bone for node in nodes for bone in node.bones]
-    links = [node for node in nodes if node.inertial is not None]
-    yield "objects", ", ".join(f"{root.name} ({_kind(root)})" for root in library.roots[:20]) + _more(library.roots, 20)
-    mass = sum(node.inertial.mass for node in links if node.inertial is not None)
-    if links:
-        yield "links", f"{len(links)}, together {mass:g} kg"
-    if not mass and bones and (root := next((root for root in library.roots if root.body.moves), None)):
-        yield "mass", f"{root.body.mass:g} kg, because the file has no masses: robot.set_mass(kg) sets another one"
-    if bones:
-        yield "joints", f"{len(bones)}: {_counted(map(_kind_of_joint, bones))}"
-    meshes = [node for node in nodes if node.mesh is not None]
-    triangles = sum(len(node.mesh.triangles) for node in meshes if node.mesh is not None and node.visible)
-    yield "shown", f"{sum(node.visible for node in meshes)} meshes, {triangles} triangles"
-    yield "solid", f"{sum(node.body.collides for node in meshes)} shapes"
-    if library.sensors:
-        yield "sensors", ", ".join(f"{one.name} ({one.product})" for one in library.sensors)
-    if library.actuators:
-        yield "actuators", ", ".join(f"{one.name} ({one.product})" for one in library.actuators)
-    if lights := [node for node in nodes if node.light is not None]:
-        yield "lights", _counted(node.light.type.lower() for node in lights if node.light is not None)
-    if library.world:
-        yield "world", ", ".join(_settings(library.world))
-    for warning in dict.fromkeys(library.warnings):
-        yield "left out or changed", warning
-
-
-def _settings(world: Mapping[str, object]) -> Iterator[str]:
-    for key, value in world.items():
-        if isinstance(value, dict):
-            yield from _settings(value)
-        else:
-            yield f"{key} {value}"
-
-
-def _kind_of_joint(bone: Bone) -> str:
-    endless = bone.kind is JointKind.REVOLUTE and bone.dynamics is not None and not bone.dynamics.limited
-    return "continuous" if endless else bone.kind.value
-
-
-def _kind(root: Node) -> str:
-    if root.light is not None:
-        return "light"
-    return "free" if root.body.moves else "fixed"
-
-
-def _counted(words: Iterable[str]) -> str:
-    return ", ".join(f"{number} {word}" for word, number in Counter(words).most_common())
-
-
-def _more(items: list[Node], most: int) -> str:
-    return f" and {len(items) - most} more" if len(items) > most else ""
 
 
 # ``morse check scene.py``: list everything in a scene script that needs a change.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import quoted
+from morse.helpers.descriptions import robot_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -18,12 +19,13 @@ def check_model(kind: str, folders: Iterable[str | os.PathLike[str]]) -> None:
     """Check that a client may name a model.
 
     Args:
-        kind: name of a robot, or name or path of a model.
+        kind: name of a robot, name or path of a model, or a robot of such a model: ``Robot('arm.urdf')``.
         folders: folders with models. The folder in which the simulation was started is allowed as well.
 
     Raises:
         MorseRPCInvokationError: it is a path to another folder.
     """
+    kind = robot_file(kind) or kind
     words = kind.split("/")
     if not (os.path.isabs(kind) or ".." in words or kind.startswith("~") or "\\" in kind or ":" in kind):
         return

@@ -74,9 +74,10 @@ class PopulationServices(AbstractObject):
                 ``robot.camera``.
             kind: name of a robot in scene scripts, e.g. ``ATRV``, of a robot of the project, e.g.
                 ``ranger_sim.builder.robots:Ranger``, of a model, e.g. ``props/crates``, or of an object of a model,
-                e.g. ``props/crates#small_crate``; or the text of a robot in URDF, SDF or MJCF: it has the sensors and
-                the drive of the text. For a component, a class of scene scripts, e.g. ``VideoCamera``, which lines with
-                calls may follow: ``frequency(10)``, ``alter('Noise')``.
+                e.g. ``props/crates#small_crate``; a robot of a file, e.g. ``Robot('arm/arm.urdf')``; or the text of a
+                robot in URDF, SDF or MJCF: it has the sensors and the drive of the text. For a component, a class of
+                scene scripts, e.g. ``VideoCamera``, which lines with calls may follow: ``frequency(10)``,
+                ``alter('Noise')``.
             position: x, y, z in the world, m; for a component, in the frame of the robot; the origin if not given.
             orientation: roll, pitch, yaw, rad.
         """

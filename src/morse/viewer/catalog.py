@@ -48,6 +48,8 @@ class Catalog:
         self._printed = ""
         self._complaints = Complaints(logger)
         self.groups: dict[str, str] = {}
+        self._listed: list[Model] = []
+        self._uploaded: list[Model] = []
 
     def open(self) -> None:
         """Start to list the models, unless that has been done.
@@ -55,7 +57,7 @@ class Catalog:
         Raises:
             OSError: the process cannot be started.
         """
-        if self._process is not None and (self.groups or self._process.poll() is None):
+        if self._process is not None and (self._listed or self._process.poll() is None):
             return
         self._process = process = subprocess.Popen(
             command(_PROGRAM, *self._arguments),
@@ -94,12 +96,21 @@ class Catalog:
 
     def _take(self, content: Any) -> None:
         if isinstance(content, list):
-            models = [Model(**one) for one in content]
-            self.groups = {model.kind: model.group for model in models}
-            self._server.send(Models(models))
+            self._listed = [Model(**one) for one in content]
+            self._tell()
         else:
             url = self._server.offer("pictures", "image/webp", base64.b64decode(content["picture"]))
             self._server.send(ModelPicture(content["kind"], url))
+
+    def add(self, models: Sequence[Model]) -> None:
+        """Add models that a page has sent."""
+        self._uploaded += [model for model in models if model not in self._uploaded]
+        self._tell()
+
+    def _tell(self) -> None:
+        models = [*self._uploaded, *self._listed]
+        self.groups = {model.kind: model.group for model in models}
+        self._server.send(Models(models))
 
     def close(self) -> None:
         """End the process."""

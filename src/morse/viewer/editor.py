@@ -29,6 +29,7 @@ from morse.scene.extent import extent, visible_extent
 from morse.viewer.catalog import Catalog
 from morse.viewer.feeds.components import settings_of
 from morse.viewer.script_file import ScriptFile
+from morse.viewer.uploads import Uploads, saved_place
 from morse.viewer.view_messages import Answer, PropertyValue, Refused, SceneChanges
 
 if TYPE_CHECKING:
@@ -100,6 +101,8 @@ class Editor:
         options = simulation.options
         sources = [*options.source_paths, *(source_folders(Path(options.script).absolute()) if options.script else ())]
         self._catalog = Catalog(server, options.resource_paths, list(dict.fromkeys(sources)))
+        #: models that pages send
+        self.uploads = Uploads(simulation.scene, server, services, self._catalog)
         self._saved = self._state()
         self._is_restarting = False
         self._last_message: SceneChanges | None = None
@@ -519,14 +522,18 @@ class Editor:
 
     # -- saving ----------------------------------------------------------------------------
 
-    def _save(self, *, write: bool) -> dict[str, str]:
+    def _save(self, *, write: bool) -> dict[str, object]:
         text = self._changed()
         difference = self._file.difference(text)
+        assert self._file.path is not None
+        kinds = [addition.kind for addition in self._additions.values()]
         if write:
+            self.uploads.save(kinds, self._file.path)
             content = self._file.save(text)
             self._simulation.edits.write(os.path.abspath(str(self._file.path)), content)
             self._saved = self._state()
-        return {"path": str(self._file.path), "difference": difference}
+        folders = [str(saved_place(folder, self._file.path)) for folder in self.uploads.folders(kinds)]
+        return {"path": str(self._file.path), "difference": difference, "folders": folders}
 
     def _state(self) -> str:
         """All changes, to compare them with those that were saved."""
@@ -581,6 +588,7 @@ class Editor:
     def update(self) -> None:
         """Tell the pages what has changed."""
         self._catalog.update()
+        self.uploads.update()
         count = self._count()
         # without the changes that were saved, the file is to be written again
         count = 0 if self._state() == self._saved else max(count, 1)
@@ -591,8 +599,9 @@ class Editor:
             self._server.send(message)
 
     def close(self) -> None:
-        """End the drawing of pictures."""
+        """End the drawing of pictures, and delete the files that pages have sent."""
         self._catalog.close()
+        self.uploads.close()
 
 
 def _is_of(name: str, whole: str) -> bool:

@@ -247,6 +247,44 @@ class AddModel(ViewEvent, frozen=True):
     robot: Name = ""
 
 
+class BeginUpload(ViewEvent, frozen=True):
+    """Files of a model are to be sent; the answer is the number of the upload, with which they are sent.
+
+    Attributes:
+        name: of the model: that of its folder, or of its file without the suffix.
+        files: path and size of each, bytes; paths are relative, with ``/``.
+    """
+
+    request: Request
+    name: Name
+    files: Annotated[list[tuple[Name, Annotated[int, Meta(ge=0)]]], Meta(min_length=1, max_length=1000)]
+
+
+class UploadPart(ViewEvent, frozen=True):
+    """The next bytes of a file; has an answer.
+
+    Attributes:
+        upload: the answer of `BeginUpload`.
+        file: index of the file.
+        data: as base64.
+    """
+
+    request: Request
+    upload: int
+    file: Annotated[int, Meta(ge=0)]
+    data: Annotated[str, Meta(max_length=200_000)]
+
+
+class ExamineUpload(ViewEvent, frozen=True):
+    """All files were sent; the answer lists what can be added of them, and what is to be said about each file.
+
+    ``[{"file", "error", "contents": [[title, text], ...], "kinds": [kind, ...]}, ...]``
+    """
+
+    request: Request
+    upload: int
+
+
 class DeleteObject(ViewEvent, frozen=True):
     """Delete a robot, an object or a component; the answer is its name."""
 

@@ -45,9 +45,11 @@ export class AddPanel {
   constructor(
     private readonly connection: Connection,
     private readonly placing: Placing,
+    /** files of one's own */
+    own: HTMLElement,
   ) {
     const hint = h("p", { class: "quiet" }, HINT);
-    this.element = h("section", { class: "panel add-panel", "aria-label": "add to the scene", hidden: true }, this.filter, hint, this.list);
+    this.element = h("section", { class: "panel add-panel", "aria-label": "add to the scene", hidden: true }, this.filter, hint, own, this.list);
     document.body.append(this.ghost);
     this.filter.addEventListener("input", () => this.render());
     connection.on("welcome", () => (this.asked = false));

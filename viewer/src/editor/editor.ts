@@ -15,12 +15,15 @@ import { AddPanel } from "./addpanel";
 import { Marker } from "./marker";
 import { confirmSave } from "./savedialog";
 import { ScriptPanel } from "./script";
+import type { Add } from "./upload";
+import { Uploader } from "./upload";
 
 /** Adds and deletes robots, objects and components, undoes changes, and saves the scene. */
 export class Editor {
   readonly element: HTMLElement;
   readonly list: AddPanel;
   readonly script: ScriptPanel;
+  readonly uploader: Uploader;
   private readonly marker: Marker;
   private readonly addButton: HTMLButtonElement;
   private readonly undoButton: HTMLButtonElement;
@@ -40,11 +43,13 @@ export class Editor {
     private readonly tree: HTMLElement,
   ) {
     this.marker = new Marker(stage);
+    const add: Add = (kind, name, place) => this.put({ kind, name, group: "robots", doc: "", words: "" }, place);
+    this.uploader = new Uploader(connection, toasts, () => this.drives.value && !this.element.hidden, add);
     this.list = new AddPanel(connection, {
       show: (_, x, y) => this.aim(x, y),
       put: (model, place) => void this.put(model, place),
       cancel: () => this.release(),
-    });
+    }, this.uploader.element);
     this.script = new ScriptPanel(connection, components);
     const scriptButton = iconButton(icons.code, "Script", () => this.showScript());
     this.addButton = h("button", { type: "button", class: "add", "aria-pressed": "false", onclick: () => this.toggle() });
@@ -111,11 +116,12 @@ export class Editor {
     this.addButton.setAttribute("aria-pressed", "false");
   }
 
-  private async put(model: Model, place: { x: number; y: number } | null): Promise<void> {
+  /** Add a model; returns whether that was possible. */
+  private async put(model: Model, place: { x: number; y: number } | null): Promise<boolean> {
     const frame = this.stage.renderer.domElement.getBoundingClientRect();
     const over = place && document.elementFromPoint(place.x, place.y);
     this.release();
-    if (place && over !== this.stage.renderer.domElement) return; // dropped on a panel: not meant for the world
+    if (place && over !== this.stage.renderer.domElement) return false; // dropped on a panel: not meant for the world
     const { x, y } = place ?? { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 };
     const { point, hit } = this.marker.point(x, y);
     this.marker.hide();
@@ -124,7 +130,7 @@ export class Editor {
     if (mounted && !carrier) {
       const kind = model.group.slice(0, -1);
       this.toasts.show(`Select the robot that gets the ${kind} first, or drop the ${kind} onto it.`, "error");
-      return;
+      return false;
     }
     const { robot, position } = carrier ?? { robot: "", position: point };
     // an actuator has no place of its own
@@ -137,6 +143,7 @@ export class Editor {
       if (robot) this.toasts.show(`${name} is on ${robot}.`);
     }
     if (this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
+    return answer.ok;
   }
 
   private aim(x: number, y: number): void {
@@ -203,8 +210,8 @@ export class Editor {
       this.toasts.show(shown.error, "error");
       return;
     }
-    const { path, difference } = shown.value as { path: string; difference: string };
-    confirmSave(path, difference, () => void this.write(path));
+    const { path, difference, folders } = shown.value as { path: string; difference: string; folders: string[] };
+    confirmSave(path, difference, folders, () => void this.write(path));
   }
 
   private async write(path: string): Promise<void> {

@@ -30,7 +30,7 @@ from morse.core.declarations import properties
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError, MorseError
 from morse.core.reports.quoting import nearest, short
 from morse.core.validation.fields import checked_value
-from morse.helpers.descriptions import is_description
+from morse.helpers.descriptions import is_description, robot_file
 from morse.scene import Node
 from morse.scene.component import RealismModel
 
@@ -310,8 +310,8 @@ def _checked(newcomer: Newcomer, others: Iterable[Node]) -> Newcomer:
 def maker_of(kind: str) -> Callable[[], object]:
     """Return the function that creates a kind: a class of `morse.builder`, a model, or the text of a description.
 
-    ``props/crates#small_crate`` is one object of a model, ``ranger_sim.builder.robots:Ranger`` a robot of the project;
-    a text that begins with ``<`` is a robot in URDF, SDF or MJCF.
+    ``props/crates#small_crate`` is one object of a model, ``ranger_sim.builder.robots:Ranger`` a robot of the project,
+    ``Robot('arm/arm.urdf')`` a robot of a file; a text that begins with ``<`` is a robot in URDF, SDF or MJCF.
 
     Raises:
         MorseBuilderNoComponentError: there is no such class and no such model.
@@ -326,6 +326,8 @@ def maker_of(kind: str) -> Callable[[], object]:
     own = own_class(kind)
     if own is not None and issubclass(own, Robot):
         return own
+    if (model := robot_file(kind)) is not None:
+        return lambda: Robot(model)
     if "/" in kind or "." in kind:
         file, _, part = kind.partition("#")
         return lambda: PassiveObject(file, object_name=part or None)

@@ -6,12 +6,14 @@ import ast
 import math
 import re
 from keyword import iskeyword
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from morse.builder.editing.changes import UnwritableError
 from morse.builder.editing.source import BUILDER, Source, name_of
 from morse.builder.editing.variables import Variable, in_scene, is_pure, variables
 from morse.core.validation.names import RESERVED
+from morse.helpers.descriptions import robot_file
 from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
@@ -89,8 +91,12 @@ def lines_of_script(text: str) -> dict[str, list[int]]:
 
 
 def variable_name(kind: str, names: Container[str]) -> str:
-    """A free name for a new object: ``atrv`` for ``ATRV``, ``cup_blue`` for ``props/kitchen_objects#Cup_Blue``."""
-    own = kind.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2]
+    """A free name for a new object: ``atrv`` for ``ATRV``, ``cup_blue`` for ``props/kitchen_objects#Cup_Blue``.
+
+    ``arm`` for ``Robot('arm/arm.urdf')``.
+    """
+    file, _, part = (robot_file(kind) or kind).partition("#")
+    own = part or (file.rpartition(":")[2] if ":" in file else PurePosixPath(file).stem)
     stem = re.sub("_+", "_", "".join(c if c.isascii() and c.isalnum() else "_" for c in own)).strip("_")
     stem = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", stem).lower() or "thing"
     stem = f"_{stem}".strip("_") if not stem[0].isdigit() else f"object_{stem}"
@@ -101,6 +107,8 @@ def variable_name(kind: str, names: Container[str]) -> str:
 
 
 def _class_of(kind: str) -> str:
+    if robot_file(kind) is not None:
+        return "Robot"
     if ":" in kind:
         return kind.rpartition(":")[2]
     return "PassiveObject" if "/" in kind or "." in kind else kind
@@ -113,8 +121,8 @@ def _module_of(kind: str) -> str:
 
 def _lines_of(source: Source, addition: Addition, robots: dict[str, str]) -> list[str]:
     name, kind = addition.name, addition.kind
-    file, _, part = kind.partition("#")
-    arguments = ""
+    file, _, part = (robot_file(kind) or kind).partition("#")
+    arguments = _quoted(source, file) if robot_file(kind) is not None else ""
     if _class_of(kind) == "PassiveObject":
         arguments = _quoted(source, file) + (f", object_name={_quoted(source, part)}" if part else "")
     lines = [f"{name} = {_class_of(kind)}({arguments})"]
