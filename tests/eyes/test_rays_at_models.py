@@ -148,3 +148,92 @@ def test_states_of_other_models_are_refused() -> None:
 def test_no_states_have_no_hits() -> None:
     model, _ = _state()
     assert morse.Rays(model).cast([], (0.0, 0.0, 3.0), [[0.0, 0.0, -1.0]]).normals.shape == (0, 1, 3)
+
+
+def _many(solids: int, seed: int = 5) -> tuple[Any, Any]:
+    """A world of solids of all kinds, half of which move."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    for n in range(solids):
+        kind = ("sphere", "box", "capsule", "cylinder", "ellipsoid")[n % 5]
+        place = " ".join(f"{value:.4f}" for value in rng.uniform(-4, 4, 3))
+        turn = " ".join(f"{value:.2f}" for value in rng.uniform(-180, 180, 3))
+        geom = f'<geom type="{kind}" size="{" ".join(f"{value:.3f}" for value in rng.uniform(0.05, 0.5, 3))}"'
+        if n % 2:
+            parts.append(f'<body pos="{place}" euler="{turn}"><freejoint/>{geom}/></body>')
+        else:
+            parts.append(f'{geom} pos="{place}" euler="{turn}"/>')
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><worldbody><geom type="plane" size="0 3 1" pos="0 0 -3"/>{"".join(parts)}</worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+@pytest.mark.parametrize("solids", [1, 8, 9, 64, 65, 300])
+@pytest.mark.parametrize("away", [0.0, 5.0, 1e4])
+def test_any_number_of_solids_is_hit_as_in_mujoco(solids: int, away: float) -> None:
+    model, data = _many(solids)
+    ways = np.random.default_rng(7).normal(size=(2000, 3))
+    point = np.array([away, 0.1, 0.2])
+    if away:
+        # towards the solids
+        ways = np.random.default_rng(7).uniform(-4, 4, (2000, 3)) - point
+    hits = morse.Rays(model).cast(data, point, ways)
+    geoms, distances = _reference(model, data, point, ways)
+    same = hits.geoms == geoms
+    assert same.mean() > 0.998
+    assert hits.distances[same] == pytest.approx(distances[same], rel=1e-7, abs=1e-9)
+
+
+def test_solids_that_stand_are_where_they_are_put() -> None:
+    """What stands is prepared once, and again where its place has changed."""
+    model, data = _many(100)
+    rays, down = morse.Rays(model), np.array([[0.0, 0.0, -1.0]])
+    place = data.geom_xpos[1] + [0.0, 0.0, 20.0]
+    assert rays.cast(data, place, down).geoms[0] >= 0
+    for shift in (30.0, -30.0, 55.0):
+        model.geom_pos[1, 0] += shift
+        mujoco.mj_forward(model, data)
+        place = data.geom_xpos[1] + [0.0, 0.0, 20.0]
+        assert rays.cast(data, place, down).geoms[0] == 1
+
+
+@pytest.mark.parametrize("solids", [9, 100])
+def test_bodies_and_what_is_fixed_may_be_left_out(solids: int) -> None:
+    model, data = _many(solids)
+    ways = np.random.default_rng(2).normal(size=(2000, 3))
+    geoms, distances = np.zeros(len(ways), np.int32), np.zeros(len(ways))
+    for fixed, body in ((True, 1), (False, -1), (False, 2), (True, 0)):
+        point = data.xpos[max(body, 1)] + [0.01, 0.0, 0.0]
+        mujoco.mj_multiRay(model, data, point, ways.ravel(), None, fixed, body, geoms, distances, None, len(ways), 1e10)
+        hits = morse.Rays(model, flg_static=fixed).cast(data, point, ways, bodyexclude=body)
+        assert (hits.geoms == geoms).mean() > 0.998
+    with pytest.raises(ValueError, match=r"The body 99\d* is out of range \[-1, "):
+        morse.Rays(model).cast(data, (0, 0, 0), ways, bodyexclude=999)
+
+
+def test_points_of_each_ray_and_each_world() -> None:
+    model, data = _many(20)
+    other = _many(20, seed=5)[1]
+    other.qpos[2] += 1.0
+    mujoco.mj_forward(model, other)
+    rng = np.random.default_rng(3)
+    points, ways = rng.uniform(-5, 5, (2, 3000, 3)), rng.normal(size=(2, 3000, 3))
+    rays = morse.Rays(model)
+    both = rays.cast([data, other], points, ways)
+    for n, state in enumerate((data, other)):
+        alone = rays.cast(state, points[n], ways[n])
+        for row in range(0, 3000, 500):
+            one = rays.cast(state, points[n, row], ways[n, row : row + 1])
+            assert one.distances[0] == alone.distances[row]
+        for part, whole in zip(alone, both, strict=True):
+            np.testing.assert_array_equal(part, whole[n])
+    # a state that is not finite hides what it moves, and points that are not finite hit nothing
+    other.geom_xpos[2] = np.nan
+    points[0, 0] = np.nan
+    hits = rays.cast([data, other], points, ways)
+    assert hits.geoms[0, 0] == -1
+    np.testing.assert_array_equal(hits.geoms[0, 1:], both.geoms[0, 1:])
+    assert not (hits.geoms[1] == 2).any()

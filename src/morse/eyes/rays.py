@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from threading import Lock
 from typing import TYPE_CHECKING, NamedTuple
 
 import mujoco
@@ -19,11 +18,8 @@ from morse.kernel.rays import (
     ELLIPSOID,
     MESH,
     SPHERE,
-    Fan,
-    Poses,
-    SolidArrays,
+    ModelTargets,
     TriangleMesh,
-    ray_caster,
 )
 
 if TYPE_CHECKING:
@@ -36,10 +32,6 @@ _KINDS = {
     int(mujoco.mjtGeom.mjGEOM_CYLINDER): CYLINDER,
     int(mujoco.mjtGeom.mjGEOM_BOX): BOX,
 }
-#: half the width of an infinite plane, m
-_ENDLESS = 1e6
-#: what rays pass through: nothing, or planes
-_NOTHING, _PLANES = -1, 1
 
 
 class RayHits(NamedTuple):
@@ -64,12 +56,15 @@ class Rays:
     Args:
         model: `mujoco.MjModel`.
         geomgroup: (6,) whether each group is hit; None for all.
+        flg_static: whether geoms are hit that are fixed in the world.
 
     Raises:
         ValueError: not six groups.
     """
 
-    def __init__(self, model: mujoco.MjModel, geomgroup: Sequence[bool] | None = None) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, geomgroup: Sequence[bool] | None = None, *, flg_static: bool = True
+    ) -> None:
         self._model = model
         use = np.where(model.geom_matid >= 0, _alpha(model)[model.geom_matid], model.geom_rgba[:, 3]) > 0
         use |= (model.geom_matid >= 0) & (model.geom_rgba[:, 3] > 0) & ~_plain(model)
@@ -77,35 +72,34 @@ class Rays:
             if len(geomgroup) != mujoco.mjNGROUP:
                 raise ValueError(f"There are {mujoco.mjNGROUP} groups of geoms, got {len(geomgroup)}.")
             use &= np.array(geomgroup, bool)[np.clip(model.geom_group, 0, mujoco.mjNGROUP - 1)]
-        solids = [(int(geom), *_solid(model, int(geom))) for geom in np.flatnonzero(use)]
+        if not flg_static:
+            use &= model.body_weldid[model.geom_bodyid] > 0
+        is_plane = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
+        stands = (model.body_weldid == 0)[model.geom_bodyid]
+        numbers = np.flatnonzero(use & ~is_plane)
+        solids = [
+            (int(geom), *_solid(model, int(geom))) for geom in numbers[np.argsort(stands[numbers], kind="stable")]
+        ]
         solids = [row for row in solids if row[1] != MESH or row[3] is not None]
-        self._geoms = np.array([row[0] for row in solids], np.intp)
-        self._kinds = np.array([row[1] for row in solids], np.int32)
-        self._is_plane = model.geom_type[self._geoms] == mujoco.mjtGeom.mjGEOM_PLANE
+        geoms = np.array([row[0] for row in solids], np.intp)
         meshes = [row[3] for row in solids]
-        count = len(solids)
         of_faces = [np.zeros((0, 3)) if mesh is None else _normals_of(mesh) for mesh in meshes]
-        self._face_normals = np.concatenate([np.zeros((0, 3)), *of_faces])
-        self._first_faces = np.cumsum([0, *map(len, of_faces)])
         boxes = [_box(row[1], row[2], mesh) for row, mesh in zip(solids, meshes, strict=True)]
-        self._sizes = np.array([row[2] for row in solids], np.float64).reshape(-1, 3)
-        self._caster = ray_caster(
-            SolidArrays(
-                self._kinds,
-                self._sizes,
-                np.arange(count),
-                np.zeros((count, 3)),
-                np.tile(np.eye(3), (count, 1, 1)),
-                np.array([box[0] for box in boxes]).reshape(-1, 3),
-                np.array([box[1] for box in boxes]).reshape(-1, 3),
-                meshes,
-            )
+        planes = np.flatnonzero(use & is_plane)
+        self._targets = ModelTargets(
+            np.array([row[1] for row in solids], np.int32),
+            int((~stands[geoms]).sum()),
+            geoms,
+            model.geom_bodyid[geoms],
+            np.array([row[2] for row in solids], np.float64).reshape(-1, 3),
+            np.array([box[0] for box in boxes]).reshape(-1, 3),
+            np.array([box[1] for box in boxes]).reshape(-1, 3),
+            meshes,
+            np.concatenate([np.zeros((0, 3)), *of_faces]),
+            np.cumsum([0, *map(len, of_faces)]),
+            np.stack([planes, model.geom_bodyid[planes]], axis=1),
+            model.geom_size[planes, :2],
         )
-        self._caster.gather(np.zeros(0, np.int32), False)
-        self._caster.gather(np.arange(count, dtype=np.int32), True)
-        self._groups = np.where(self._is_plane, _PLANES, 0).astype(np.int64)
-        #: the poses of the geoms are those of one state at a time
-        self._lock = Lock()
 
     def cast(
         self,
@@ -113,6 +107,8 @@ class Rays:
         points: ArrayLike,
         directions: ArrayLike,
         limit: float = math.inf,
+        *,
+        bodyexclude: int = -1,
     ) -> RayHits:
         """Return the first hits.
 
@@ -121,12 +117,14 @@ class Rays:
             points: (R, 3) or (N, R, 3), or (3,) for all rays, m.
             directions: (R, 3) or (N, R, 3); rays whose direction is 0 or not finite hit nothing.
             limit: largest distance, m.
+            bodyexclude: body through whose geoms rays pass, -1 for none.
 
         Returns:
             Arrays (N, R, ...); without N for a single state.
 
         Raises:
-            ValueError: the shapes do not fit, the limit is not greater than 0, or a state is one of another model.
+            ValueError: the shapes do not fit, the limit is not greater than 0, there is no such body, or a state is one
+                of another model.
         """
         several = isinstance(data, Sequence)
         states = list(data) if isinstance(data, Sequence) else [data]
@@ -134,80 +132,24 @@ class Rays:
             check_state(self._model, state)
         if not limit > 0:
             raise ValueError(f"The limit of rays is greater than 0 m, got {limit!r}.")
-        ways = np.asarray(directions, np.float64)
+        if not -1 <= bodyexclude < self._model.nbody:
+            raise ValueError(f"The body {bodyexclude!r} is out of range [-1, {self._model.nbody}).")
+        ways = np.ascontiguousarray(directions, np.float64)
         if ways.ndim not in (2, 3) or ways.shape[-1] != 3 or (ways.ndim == 3 and len(ways) != len(states)):
             raise ValueError(f"Directions have the shape (R, 3) or ({len(states)}, R, 3), got {ways.shape}.")
         shape = (len(states), ways.shape[-2], 3)
-        ways = np.broadcast_to(ways, shape)
-        try:
-            starts = np.broadcast_to(np.asarray(points, np.float64), shape)
-        except ValueError:
-            raise ValueError(f"Points have the shape {shape}, {shape[1:]} or (3,), got {np.shape(points)}.") from None
-        hits = RayHits(np.empty(shape[:2]), np.empty(shape[:2], np.int32), np.empty(shape))
-        for n, state in enumerate(states):
-            # rays without a direction have none that is finite
-            with self._lock, np.errstate(all="ignore"):
-                row = self._of(state, starts[n], ways[n], limit)
-            hits.distances[n], hits.geoms[n], hits.normals[n] = row
-        return hits if several else RayHits(*(part[0] for part in hits))
-
-    def _of(self, data: mujoco.MjData, starts: NDArray[np.float64], ways: NDArray[np.float64], limit: float) -> RayHits:
-        count, rays = len(self._geoms), len(ways)
-        # squares of very long and very short directions are not finite, or 0
-        longest = np.abs(ways).max(axis=1, initial=0.0)
-        units = ways / longest[:, None]
-        part = np.sqrt((units**2).sum(axis=1))
-        units, lengths = units / part[:, None], longest * part
-        if not count or not rays:
-            return RayHits(np.full(rays, -1.0), np.full(rays, -1, np.int32), np.zeros((rays, 3)))
-        # the last group is the world, in which the rays are
-        positions = np.concatenate([data.geom_xpos[self._geoms], np.zeros((1, 3))])
-        rotations = np.concatenate([data.geom_xmat[self._geoms].reshape(-1, 3, 3), np.eye(3)[None]])
-        poses = Poses(positions, rotations, np.zeros(3))
-        self._caster.place(poses, False)
-        self._caster.place(poses, True)
-        distances, solids, normals = self._cast(poses, starts, units, limit, _NOTHING)
-        # the backs of planes are not hit
-        behind = np.flatnonzero((solids >= 0) & self._is_plane[solids] & ((normals * units).sum(axis=1) > 0))
-        if len(behind):
-            distances[behind], solids[behind], normals[behind] = self._cast(
-                poses, starts[behind], units[behind], limit, _PLANES
-            )
-        hit = solids >= 0
-        normals[(normals * units).sum(axis=1) > 0] *= -1.0
-        return RayHits(
-            np.where(hit, distances / np.where(hit, lengths, 1.0), -1.0),
-            np.where(hit, self._geoms[solids], -1).astype(np.int32),
-            normals,
+        starts = np.ascontiguousarray(points, np.float64)
+        if starts.shape not in (shape, shape[1:], (3,)):
+            try:
+                starts = np.ascontiguousarray(np.broadcast_to(starts, shape))
+            except ValueError:
+                raise ValueError(
+                    f"Points have the shape {shape}, {shape[1:]} or (3,), got {np.shape(points)}."
+                ) from None
+        hits = self._targets.cast(
+            [(state.geom_xpos, state.geom_xmat) for state in states], starts, ways, limit, int(bodyexclude)
         )
-
-    def _cast(
-        self,
-        poses: Poses,
-        starts: NDArray[np.float64],
-        units: NDArray[np.float64],
-        limit: float,
-        owner: int,
-    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
-        """Distances (R,), solids (R,) and outward normals (R, 3)."""
-        fan = Fan([len(self._geoms)], np.zeros((1, 3)), np.eye(3)[None], units, starts, True, limit, [owner])
-        hits = self._caster.cast(fan, poses, self._groups)
-        distances, solids, faces = hits.distances[0], hits.solids[0], hits.faces[0]
-        normals = np.zeros((len(units), 3))
-        rows = np.flatnonzero(solids >= 0)
-        hit = solids[rows]
-        rotations = poses.rotations[hit]
-        places = starts[rows] + units[rows] * distances[rows, None] - poses.positions[hit]
-        local = (rotations * places[:, :, None]).sum(axis=1)
-        kinds, own = self._kinds[hit], np.empty((len(rows), 3))
-        for kind in np.unique(kinds).tolist():
-            some = kinds == kind
-            if kind == MESH:
-                own[some] = self._face_normals[self._first_faces[hit[some]] + faces[rows[some]]]
-            else:
-                own[some] = _normals_at(kind, self._sizes[hit[some]], local[some])
-        normals[rows] = (rotations * own[:, None, :]).sum(axis=2)
-        return distances, solids, normals
+        return RayHits(*hits) if several else RayHits(*(part[0] for part in hits))
 
 
 def _alpha(model: mujoco.MjModel) -> NDArray[np.float64]:
@@ -225,10 +167,6 @@ def _solid(model: mujoco.MjModel, geom: int) -> tuple[int, NDArray[np.float64], 
     if kind in _KINDS:
         return _KINDS[kind], size, None
     number = int(model.geom_dataid[geom])
-    if kind == mujoco.mjtGeom.mjGEOM_PLANE:
-        x, y = (half if half > 0 else _ENDLESS for half in size[:2])
-        corners = np.array([[-x, -y, 0.0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
-        return MESH, size, TriangleMesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
     if kind == mujoco.mjtGeom.mjGEOM_HFIELD and number >= 0:
         shape = int(model.hfield_nrow[number]), int(model.hfield_ncol[number])
         first = int(model.hfield_adr[number])
@@ -261,23 +199,3 @@ def _box(
         CAPSULE: (size[0], size[0], size[0] + size[1]),
     }
     return np.zeros(3), np.array(halves.get(kind, tuple(size)), np.float64)
-
-
-def _normals_at(kind: int, size: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Outward normals (R, 3) at places (R, 3) on primitives of sizes (R, 3), in their frames."""
-    normals = places.copy()
-    if kind == BOX:
-        axis = (np.abs(places) / size).argmax(axis=1)
-        normals[:] = 0.0
-        normals[np.arange(len(places)), axis] = np.sign(places[np.arange(len(places)), axis])
-    elif kind == ELLIPSOID:
-        normals = places / size**2
-    elif kind == CYLINDER:
-        radius = np.sqrt(places[:, 0] ** 2 + places[:, 1] ** 2)
-        cap = np.abs(places[:, 2]) - size[:, 1] > radius - size[:, 0]
-        normals[:, 2] = 0.0
-        normals[cap] = 0.0
-        normals[cap, 2] = np.sign(places[cap, 2])
-    elif kind == CAPSULE:
-        normals[:, 2] = places[:, 2] - np.clip(places[:, 2], -size[:, 1], size[:, 1])
-    return np.asarray(normals / np.maximum(np.sqrt((normals**2).sum(axis=1, keepdims=True)), 1e-300))

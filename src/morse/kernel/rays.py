@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-__all__ = ["Fan", "Hits", "Poses", "SolidArrays", "TriangleMesh", "ray_caster"]
+__all__ = ["Fan", "Hits", "ModelTargets", "Poses", "SolidArrays", "TriangleMesh", "ray_caster"]
 
 
 #: indices of the kinds of shapes in arrays
@@ -221,6 +221,44 @@ class RaysStructure(ctypes.Structure):
     )
 
 
+class ModelStructure(ctypes.Structure):
+    """``Model`` of ``c/rays_model.c``."""
+
+    _fields_ = (
+        *[(name, c_int32) for name in ("solids", "moving", "planes")],
+        *_addresses("kinds geoms bodies sizes centres halves meshes face_normals first_faces"),
+        *_addresses("plane_geoms plane_bodies plane_sizes"),
+    )
+
+
+class _RoomStructure(ctypes.Structure):
+    """``Room`` of ``c/rays_model.c``."""
+
+    _fields_ = (
+        *_addresses("boxes scratch"),
+        ("leaves", c_void_p * 2),
+        ("nodes", c_void_p * 2),
+        ("stood", c_void_p),
+        ("counts", c_int32 * 2),
+        ("is_known", c_int32),
+    )
+
+
+class ModelRaysStructure(ctypes.Structure):
+    """``ModelRays`` of ``c/rays_model.c``."""
+
+    _fields_ = (
+        *[(name, c_int64) for name in ("worlds", "rays", "part")],
+        *_addresses("positions turns points ways"),
+        *[(name, c_int64) for name in ("point_step", "point_world", "way_world")],
+        ("limit", c_double),
+        ("excluded", c_int64),
+        *_addresses("distances geoms normals rooms"),
+        ("next", c_int64),
+        ("arrived", c_int64),
+    )
+
+
 #: number of rays that justify another thread
 _RAYS_A_THREAD = 2500
 #: rays that a thread takes at a time
@@ -387,6 +425,128 @@ class NativeRays:
             rays.slots, rays.offsets, rays.turns = addresses(fan.slots, fan.offsets, fan.turns)
             rays.directions, rays.origins, rays.owners = addresses(fan.directions, fan.origins, fan.owners)
         return entry
+
+
+#: largest number of solids without a tree; ``FEW_SOLIDS`` of ``c/rays_model.c``
+_FEW_SOLIDS = 64
+
+
+class _Rooms:
+    """Memory of all threads of a call for the trees of many solids."""
+
+    def __init__(self, solids: int, moving: int) -> None:
+        self._memory: list[NDArray[np.generic]] = []
+        self.rows = (_RoomStructure * threads.count())()
+        for row in self.rows:
+            boxes, scratch = np.empty((solids, 6), np.float32), np.empty(solids, np.int32)
+            stood = np.empty((solids - moving + 1, 12))
+            row.boxes, row.scratch, row.stood = addresses(boxes, scratch, stood)
+            self._memory += boxes, scratch, stood
+            for part, count in enumerate((moving, solids - moving)):
+                leaves, nodes = np.empty(count + 1, np.int32), aligned(max(count - 1, 1), NODE)
+                row.leaves[part], row.nodes[part] = addresses(leaves, nodes)
+                self._memory += leaves, nodes
+
+
+class ModelTargets:
+    """The geoms of a model of MuJoCo, of which rays hit some; poses are those of geoms in each world.
+
+    Args:
+        kinds: (S,) of solids, `BOX` to `MESH`; those that move first.
+        moving: number of those that move; the others may move, too, which takes time.
+        geoms, bodies: (S,) numbers of their geoms and bodies.
+        sizes, centres, halves: (S, 3) see `SolidArrays`.
+        meshes: [S] see `SolidArrays`.
+        normals: (F, 3) of the triangles of all meshes; first_faces: (S,) their first ones.
+        planes: (P, 2) int32, geoms and bodies of planes; plane_sizes: (P, 2) half widths, 0 for infinite ones.
+    """
+
+    def __init__(
+        self,
+        kinds: NDArray[np.integer],
+        moving: int,
+        geoms: NDArray[np.integer],
+        bodies: NDArray[np.integer],
+        sizes: NDArray[np.float64],
+        centres: NDArray[np.float64],
+        halves: NDArray[np.float64],
+        meshes: Sequence[TriangleMesh | None],
+        normals: NDArray[np.float64],
+        first_faces: NDArray[np.integer],
+        planes: NDArray[np.integer],
+        plane_sizes: NDArray[np.float64],
+    ) -> None:
+        self._function = library().morse_rays_model
+        count = len(kinds)
+        trees = [None if mesh is None else _tree_of(library(), mesh) for mesh in meshes]
+        pointers = (ctypes.c_void_p * count)(
+            *[None if tree is None else ctypes.addressof(tree.structure) for tree in trees]
+        )
+        numbers = [np.ascontiguousarray(values, np.int32) for values in (kinds, geoms, bodies)]
+        shapes = [_rows(values, (count, 3)) for values in (sizes, centres, halves)]
+        rest: tuple[NDArray[np.generic], ...] = (
+            _rows(normals, (len(normals), 3)),
+            np.ascontiguousarray(first_faces, np.int64),
+            *[np.ascontiguousarray(planes[:, n], np.int32) for n in range(2)],
+            _rows(plane_sizes, (len(planes), 2)),
+        )
+        self._keep = trees, pointers, numbers, shapes, rest
+        self._structure = ModelStructure(
+            count, moving, len(planes), *addresses(*numbers, *shapes), ctypes.addressof(pointers), *addresses(*rest)
+        )
+        #: memory for trees that no call uses at present
+        self._rooms: list[_Rooms] = []
+
+    def cast(
+        self,
+        poses: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
+        points: NDArray[np.float64],
+        ways: NDArray[np.float64],
+        limit: float,
+        excluded: int,
+    ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
+        """Return the first hits; several threads may call it at once.
+
+        Args:
+            poses: N times positions (G, 3), m, and rotations (G, 9) of all geoms of a world.
+            points: (3,), (R, 3) or (N, R, 3), m; contiguous.
+            ways: (R, 3) or (N, R, 3), of any length; contiguous.
+            limit: largest distance, m.
+            excluded: the body through which rays pass; -1 for none.
+
+        Returns:
+            (N, R) distances in lengths of the ways, -1 without a hit; (N, R) numbers of geoms, -1 without; (N, R, 3)
+            unit normals against the rays, 0 without.
+        """
+        worlds, count = len(poses), ways.shape[-2]
+        hits = np.empty((worlds, count)), np.empty((worlds, count), np.int32), np.empty((worlds, count, 3))
+        if not worlds or not count:
+            return hits
+        places = (c_void_p * worlds)(*[address(row[0]) for row in poses])
+        turns = (c_void_p * worlds)(*[address(row[1]) for row in poses])
+        workers = min(threads.count(), worlds * count // _RAYS_A_THREAD) or 1
+        # a thread builds the trees of a world once
+        part = count if workers == 1 or worlds >= 2 * workers else _PART
+        structure, rooms = self._structure, None
+        if structure.solids > _FEW_SOLIDS:
+            try:
+                rooms = self._rooms.pop()
+            except IndexError:
+                rooms = _Rooms(structure.solids, structure.moving)
+        rays = ModelRaysStructure(
+            *(worlds, count, part, ctypes.addressof(places), ctypes.addressof(turns), address(points), address(ways)),
+            *(3 * (points.ndim > 1), 3 * count * (points.ndim > 2), 3 * count * (ways.ndim > 2), limit, excluded),
+            *addresses(*hits),
+            None if rooms is None else ctypes.addressof(rooms.rows),
+        )
+        arguments = ctypes.byref(structure), ctypes.byref(rays)
+        if workers == 1:
+            self._function(*arguments)
+        else:
+            threads.together(lambda: self._function(*arguments), workers)
+        if rooms is not None:
+            self._rooms.append(rooms)
+        return hits
 
 
 _trees: WeakKeyDictionary[TriangleMesh, _MeshTree] = WeakKeyDictionary()

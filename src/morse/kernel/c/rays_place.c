@@ -1,12 +1,7 @@
 // Places solids at the poses of their rigid groups, with bounding boxes.
-#include <math.h>
 #include <stdint.h>
 
 #include "placing.h"
-#include "primitives.h"
-
-// Larger by the rounding errors of single precision and of the surface formulas.
-static float below(double x, double slack) { return (float)(x - slack); }
 
 // Places some solids, and builds their tree; returns the number of its nodes.
 int32_t morse_rays_place(const Placing *all, const Gathering *some) {
@@ -23,15 +18,7 @@ int32_t morse_rays_place(const Placing *all, const Gathering *some) {
             for (int j = 0; j < 3; j++)
                 rotation[3 * k + j] = row[0] * turn[j] + row[1] * turn[3 + j] + row[2] * turn[6 + j];
         }
-        for (int k = 0; k < 3; k++) {
-            const double *row = rotation + 3 * k;
-            const double at = position[k] + row[0] * centre[0] + row[1] * centre[1] + row[2] * centre[2];
-            double reach = fabs(row[0]) * half[0] + fabs(row[1]) * half[1] + fabs(row[2]) * half[2];
-            if (all->kinds[solid] == SPHERE) reach = half[0];
-            const double slack = 1e-6 * (fabs(at) + reach) + 1e-9;
-            boxes[i].low[k] = below(at - reach, slack);
-            boxes[i].high[k] = -below(-at - reach, slack);
-        }
+        boxes[i] = box_around(all->kinds[solid], position, rotation, centre, half);
     }
     int32_t leaf_count;
     const int32_t nodes = build_tree(some->count, boxes, 1, some->scratch, some->nodes, some->leaves, &leaf_count);
