@@ -83,6 +83,7 @@ class Context:
         paused: whether no time passes except for the ticks that a client requests.
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
+        drawn: names of the generators of random numbers, whose states depend on the seed.
         robot_seeds: seeds of the robots that have been restarted with seeds of their own.
         arrivals: the share of the time for what clients send.
         time_shares: the shares of the time of the ticks for services.
@@ -96,6 +97,7 @@ class Context:
     services: MorseServices
     network: Network = None  # type: ignore[assignment] # who uses it has been made for a simulation that has one
     seed: int = 0
+    drawn: set[str] = field(default_factory=set, init=False)
     robot_seeds: dict[str, int] = field(default_factory=dict)
     host: str = "127.0.0.1"
     strict: bool = False
@@ -177,6 +179,7 @@ class Context:
         """
         import numpy as np
 
+        self.drawn.add(name)
         own = (seed for robot, seed in self.robot_seeds.items() if name.startswith((f"{robot}.", f"{robot}/")))
         digest = hashlib.sha256(f"{next(own, self.seed)}/{name}".encode("utf-8", "surrogatepass")).digest()
         return np.random.Generator(np.random.PCG64(int.from_bytes(digest[:16], "little")))

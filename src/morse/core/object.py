@@ -204,6 +204,12 @@ class Object(Requesting, AbstractObject):
         # the client that called a running service may have disconnected; the service continues nevertheless
         self.on_completion = None if self.running_service is None else _nobody
 
+    def begin_anew(self) -> None:
+        """Renew what depends on the seed, after a restart has given the component its state of the launch.
+
+        A component that has random numbers, and lacks this method, is created again.
+        """
+
     def services(self) -> list[ServiceDeclaration]:
         """Return the services of this component, including those of its modifiers."""
         return [*super().services(), *self._offered]

@@ -17,9 +17,10 @@ from morse.physics.engine_functions import forward, without_contacts
 from morse.physics.gliding.floors import FloorPlanes
 from morse.physics.gliding.gliding import Gliding
 from morse.physics.gliding.passage import FreeRun
-from morse.physics.model import motors
 from morse.physics.model.compile import compile_scene
 from morse.physics.model.layout import Motion
+from morse.physics.model.motors import ARRAYS as MOTOR_ARRAYS
+from morse.physics.model.motors import control_of
 from morse.physics.model.placement import raise_sunken
 from morse.physics.objects.attachments import Attachments, Locks
 from morse.physics.objects.gameobject import GameObject
@@ -266,10 +267,14 @@ class World(RayWorld):
 
     # -- time ------------------------------------------------------------------------------
 
-    def reset(self) -> None:
-        """Reset all objects to the scene, at rest; motors keep their control modes."""
+    def reset(self, *, motors: bool = False) -> None:
+        """Reset all objects to the scene, at rest.
+
+        Args:
+            motors: whether motors get the gains and the control modes of `keep_motors`; else they keep their own.
+        """
         for name, values in self._pristine.items():
-            if name not in motors.ARRAYS:
+            if motors or name not in MOTOR_ARRAYS:
                 getattr(self.model, name)[:] = values
         self.bodies.moved_shapes.reset()
         mujoco.mj_resetData(self.model, self.data)
@@ -297,6 +302,10 @@ class World(RayWorld):
         self.separation.begin()
         kinematics.refresh(self)
 
+    def keep_motors(self) -> None:
+        """Take the gains and the control modes of motors for `reset`: those after the components were created."""
+        self._pristine.update((name, getattr(self.model, name).copy()) for name in MOTOR_ARRAYS)
+
     def _start_joints(self) -> None:
         """Set the initial values of joints; keyframes have others than those of the bodies of the file."""
         for joints in self.joints.values():
@@ -309,7 +318,7 @@ class World(RayWorld):
         for joints in self.joints.values():
             for joint in joints.values():
                 if joint.actuator >= 0:
-                    holds = motors.control_of(self.model.actuator_biasprm[joint.actuator]) is Control.POSITION
+                    holds = control_of(self.model.actuator_biasprm[joint.actuator]) is Control.POSITION
                     number = int(self.model.dof_jntid[joint.dof])
                     low, high = self.model.jnt_range[number] if self.model.jnt_limited[number] else (-np.inf, np.inf)
                     self.data.ctrl[joint.actuator] = min(max(joint.start, low), high) if holds else 0.0

@@ -260,9 +260,13 @@ class IMU(MotionSensor):
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._measured = self.clock.time
+        self.begin_anew()
+        self._field = field_around(self) if has_place(self.context.scene.properties) else None
+
+    def begin_anew(self) -> None:
+        """Draw the errors at the start."""
         self._gyro_errors = InertialErrors(self.context.random(f"{self.name()}/gyro"), self._gyro_terms())
         self._accel_errors = InertialErrors(self.context.random(f"{self.name()}/accelerometer"), self._accel_terms())
-        self._field = field_around(self) if has_place(self.context.scene.properties) else None
 
     @property
     def has_magnetometer(self) -> bool:

@@ -27,7 +27,7 @@ from morse.simulation.population import Population
 from morse.simulation.recordings.input_recording import InputRecorder
 from morse.simulation.recordings.recorders import start_recording
 from morse.simulation.recordings.replaying import Replay
-from morse.simulation.states.saving import Saving
+from morse.simulation.states.saving import LaunchStates, Saving
 from morse.simulation.states.state import State
 from morse.simulation.ticks.loop import Loop
 from morse.simulation.ticks.profile import Profile
@@ -121,6 +121,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
         self.population = Population(self)
         self.pictures: NamedPictures
         self._saving = Saving(self)
+        self._launch = LaunchStates(self)
         with acting(self.context), scene.project:
             offer_services(self)
 
@@ -151,9 +152,11 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
         for table in (self.context.robots, self.context.external_robots, self.context.components):
             table.clear()
         self.context.failed.clear()
+        self._launch.begin()
         self.loaded = load_components(self.context)
         connect(self.context, self.loaded)
         self.schedule()
+        self._launch.take()
 
     def schedule(self) -> None:
         """Update the schedule after the components have changed."""
@@ -499,22 +502,32 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
                 self.context.seed = seed
             self.context.robot_seeds.clear()
             self._end_services()
-            self.finalize_components()
+            renews = not self.population.has_changed and self._launch.may_renew()
+            if not renews:
+                self.finalize_components()
             self.population.go_back()
-            self.world.reset()
+            self.world.reset(motors=renews)
             self.clock.restart()
             for obj in self.context.service_objects:
                 obj.restart()
-            try:
-                with self.scene.project:
-                    self._make_components()
-            except LoadError:
-                self.failed = True
-                self.stop()
-                raise
+            if renews:
+                self._launch.renew()
+                self._ticker.begin_anew()
+                self.context.failed.clear()
+            else:
+                self._create_again()
         self.components_changed()
         self.context.guard.tell(self.observers, lambda observer: observer.restarted())
         self._loop.restarted()
+
+    def _create_again(self) -> None:
+        try:
+            with self.scene.project:
+                self._make_components()
+        except LoadError:
+            self.failed = True
+            self.stop()
+            raise
 
     def start_anew(self) -> None:
         """Restart on request of the user (F11); `morse run` then reads an edited scene script again."""

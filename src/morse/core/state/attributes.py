@@ -139,6 +139,7 @@ def own_attributes(cls: type) -> set[str] | None:
     return set(properties(cls)).union(*(assigned_by(base) for base in cls.__mro__ if is_of_morse(base)))
 
 
+@lru_cache(4096)
 def new_types(cls: type, name: str) -> frozenset[type]:
     """The classes of MORSE whose objects may take the place of None in an attribute: those that are declared."""
     variable = state_variables(cls).get(name)

@@ -142,8 +142,15 @@ class World(WorldPoses, Protocol):
     def find_object(self, node: Node) -> Body | None:
         """Return the object of a node, or None if the node was removed from the world."""
 
-    def reset(self) -> None:
-        """Reset all objects to the scene, at rest; motors keep their control modes."""
+    def reset(self, *, motors: bool = False) -> None:
+        """Reset all objects to the scene, at rest.
+
+        Args:
+            motors: whether motors get the gains and the control modes of `keep_motors`; else they keep their own.
+        """
+
+    def keep_motors(self) -> None:
+        """Take the present gains and control modes of motors for `reset`."""
 
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""

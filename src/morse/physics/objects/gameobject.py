@@ -75,7 +75,7 @@ class GameObject(LegacyNames):
         self._stamp = -1
         self._frames: tuple[RigidFrame, RigidFrame, RigidFrame] | None = None
         self._start_local: _Pose
-        self._start_offset: _Pose | None
+        self._start_mounting = self.mounting
         self._pose: _Pose = (_ORIGIN, rigid.IDENTITY)
         self._is_displaced = False
         self.visible = node.visible
@@ -107,7 +107,7 @@ class GameObject(LegacyNames):
         frame = self._world.slots[self.slot]
         if frame.frame.node is self.node:
             self._frames = None
-            self._start_local, self._start_offset = (_ORIGIN, rigid.IDENTITY), None
+            self._start_local, self._start_mounting = (_ORIGIN, rigid.IDENTITY), Mounting.of(None)
             return
         own, parent = rigid_frame(self.node), self.node.parent
         outer = frame.pose if parent is None or parent is frame.frame.node else rigid_frame(parent)
@@ -117,12 +117,13 @@ class GameObject(LegacyNames):
         self._frames = own, outer, frame.pose
         pose = (tuple(own.position), _flat(own.rotation))
         self._start_local = rigid.relative(tuple(outer.position), _flat(outer.rotation), *pose)
-        self._start_offset = rigid.relative(tuple(frame.pose.position), _flat(frame.pose.rotation), *pose)
+        offset = rigid.relative(tuple(frame.pose.position), _flat(frame.pose.rotation), *pose)
+        self._start_mounting = Mounting.of(offset)
 
     def restore(self) -> None:
         """Restore the values of the scene; called by the reset of the world."""
         self._local = self._start_local
-        self._take_offset(self._start_offset)
+        self.mounting = self._start_mounting
         self._stamp = -1
         self._is_displaced = False
         self._world.displacements += 1
@@ -329,10 +330,6 @@ class GameObject(LegacyNames):
         """Return the pose in the rigid group, from that of the parent."""
         assert self.node.parent is not None
         return rigid.compose(*self._world.object_of(self.node.parent).offset, *self._local)
-
-    def _take_offset(self, offset: _Pose | None) -> None:
-        # most components have the orientation of their robots, and many are at its origin, which is faster to compute
-        self.mounting = Mounting.of(offset)
 
     @property
     def offset(self) -> _Pose:

@@ -71,7 +71,7 @@ class LedObject(GameObject):
         self._change("mounting", mounting)
 
     def _forget_offset(self) -> None:
-        self._take_offset(self._carried_offset())
+        self.mounting = Mounting.of(self._carried_offset())
         self._stamp = -1
 
     def _change(self, name: str, value: object) -> None:

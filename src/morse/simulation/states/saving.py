@@ -5,13 +5,15 @@ from __future__ import annotations
 import inspect
 import logging
 import sys
+from collections import Counter
 from enum import Enum
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Protocol, TypeGuard, TypeVar, cast
 from weakref import WeakKeyDictionary
 
 import msgspec
+import numpy as np
 
 from morse.core.actuator import Actuator, PendingCommands
 from morse.core.context import Controls, acting
@@ -20,15 +22,18 @@ from morse.core.modifier import AbstractModifier
 from morse.core.object import Object
 from morse.core.overlay import MorseOverlay
 from morse.core.reports.faults import ENDINGS, describe
+from morse.core.rows.marks import is_overridden
 from morse.core.state import NoReferences, Reader, StateError, Writer
-from morse.core.state.attributes import is_of_morse
+from morse.core.state.attributes import declared, is_of_morse
 from morse.core.validation.commands import Commands
 from morse.core.validation.spec import CommandError
+from morse.helpers.transformation import FollowingPose, Transformation3d
 from morse.physics import GameObject
+from morse.physics.model.motors import ARRAYS as MOTOR_ARRAYS
 from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from morse.core.values import StateData
     from morse.core.world import World
@@ -40,7 +45,8 @@ _T = TypeVar("_T")
 
 # Maps the parts of a simulation, and the variables of its project, to names in states and back.
 
-_PLAIN = (type(None), bool, int, float, complex, str, bytes, tuple, frozenset, ModuleType, Enum)
+_UNCHANGEABLE = (type(None), bool, int, float, complex, str, bytes)
+_PLAIN = (*_UNCHANGEABLE, tuple, frozenset, ModuleType, Enum)
 
 
 class StateParts:
@@ -503,6 +509,188 @@ class Saving:
         for name, overlay in context.overlays.items():
             yield f"overlay {name}", overlay
         yield "inputs", InputsState(simulation)
+
+
+class LaunchStates:
+    """The states of components just after they were created, with which a restart need not create them again.
+
+    That holds for components of MORSE that have neither streams nor modifiers, and no random numbers, unless their
+    class has a method `Object.begin_anew`.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._members: list[_AtLaunch] = []
+        #: the world before the components were created; and whether components of this scene may be renewed at all
+        self._world: StateData = {}
+        self._is_possible = simulation.context.network is None
+
+    def begin(self) -> None:
+        """Take note of the world before components are created."""
+        self._members = []
+        if self._is_possible:
+            self._world = _apart_from_components(self._simulation.world.get_state())
+
+    def take(self) -> None:
+        """Take the states of the components that were just created."""
+        simulation, context = self._simulation, self._simulation.context
+        there = self._everybody()
+        self._is_possible &= all(map(_is_renewable, there)) and self._seeds_are_known()
+        if (
+            self._is_possible
+            and not (context.external_robots or context.stream_managers or context.overlays)
+            and _equal(self._world, _apart_from_components(simulation.world.get_state()))
+        ):
+            properties = self._declared()
+            writer = Writer(StateParts(simulation))
+            members = [_AtLaunch(one, dict(properties[one.name()]), writer) for one in there]
+            writer.release()
+            if not writer.unsaved and all(map(_is_plain, [v for one in members for v in one.written.values()])):
+                self._members = members
+                simulation.world.keep_motors()
+        self._world = {}
+
+    def may_renew(self) -> bool:
+        """Whether `renew` is possible: nobody has changed the components but their states."""
+        properties, there = self._declared(), self._everybody()
+        return (
+            bool(self._members)
+            and self._seeds_are_known()
+            and len(there) == len(self._members)
+            and all(
+                one is known.component and properties[one.name()] == known.properties and _is_renewable(one)
+                for one, known in zip(there, self._members, strict=True)
+            )
+        )
+
+    def renew(self) -> None:
+        """Let the components be as they were created."""
+        reader = Reader(StateParts(self._simulation), trusted=True)
+        for member in self._members:
+            member.renew(reader)
+
+    def _seeds_are_known(self) -> bool:
+        """Whether all random numbers are of components that begin anew with another seed."""
+        able = [one for one in self._everybody() if type(one).begin_anew is not Object.begin_anew]
+        prefixes = tuple(f"{one.name()}/" for one in able)
+        return all(name.startswith(prefixes) for name in self._simulation.context.drawn)
+
+    def _declared(self) -> dict[str, StateData]:
+        """The properties of the objects of components, by name."""
+        components = self._simulation.context.scene.components
+        return {declaration.name: declaration.node.properties for declaration in components}
+
+    def _everybody(self) -> list[Object]:
+        context = self._simulation.context
+        return [*cast("dict[str, Object]", context.robots).values(), *context.components.values()]
+
+
+class _AtLaunch:
+    """The state of a component as it was created.
+
+    Args:
+        properties: of the object that it was created from.
+    """
+
+    def __init__(self, component: Object, properties: StateData, writer: Writer) -> None:
+        self.component, self.properties = component, properties
+        state = component.get_state()
+        #: what its class has written into the object of the scene
+        body = component.bge_object
+        self.written: StateData = {
+            name: body[name]
+            for name in cast("Iterable[str]", body)
+            if name not in properties or body[name] != properties[name]
+        }
+        #: values that nobody can change; dictionaries and lists of these; poses; everything else, as saved
+        self._plain = {name: value for name, value in state.items() if _is_plain(value)}
+        uses = Counter(map(id, state.values()))
+        self._tables = {name: dict(value) for name, value in state.items() if _is_table(value) and uses[id(value)] == 1}
+        self._lists = {name: list(value) for name, value in state.items() if _is_list(value) and uses[id(value)] == 1}
+        self._poses = {name: (value, *value.get_pose()) for name, value in state.items() if _is_pose(value)}
+        simple = {*self._plain, *self._tables, *self._lists, *self._poses}
+        self._rest = writer.part(component.name(), {name: state[name] for name in state if name not in simple})
+        cls: type = type(component)
+        self._absent = (declared(cls) or frozenset()) - state.keys()
+
+    def renew(self, reader: Reader) -> None:
+        """Let the component have this state."""
+        component = self.component
+        for pending in PendingCommands.all_of(component):
+            pending.forget()
+        if component._in_rows is not None:
+            component._in_rows.release()
+        for name, value in self.written.items():
+            component.bge_object[name] = value
+        own = vars(component)
+        rest = reader.part(component.name(), self._rest, own, component)
+        for name in self._absent:
+            own.pop(name, None)
+        own.update(self._plain)
+        own.update(rest)
+        for name, table in self._tables.items():
+            own[name] = dict(table)
+        for name, values in self._lists.items():
+            own[name] = list(values)
+        for name, (pose, position, rotation) in self._poses.items():
+            own[name] = pose if isinstance(pose, FollowingPose) else Transformation3d()
+            own[name].set_pose(position, rotation)
+        component.on_completion = None
+        component.begin_anew()
+
+
+def _apart_from_components(world: dict[str, Any]) -> StateData:
+    """The state of a world without what components write when they are created: properties of objects, motors."""
+    objects: dict[str, StateData] = {
+        name: {key: value for key, value in entry.items() if key != "properties"}
+        for name, entry in world["objects"].items()
+    }
+    model = {name: array for name, array in world["engine"]["model"].items() if name not in MOTOR_ARRAYS}
+    return {
+        **world,
+        "objects": {name: entry for name, entry in objects.items() if entry},
+        "engine": {**world["engine"], "model": model},
+    }
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two states are equal, which may contain arrays."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_equal(one[name], other[name]) for name in one)
+    return bool(np.array_equal(one, other) if isinstance(one, np.ndarray) else one == other)
+
+
+def _is_plain(value: object) -> bool:
+    if type(value) is tuple:
+        return all(map(_is_plain, value))
+    return type(value) in _UNCHANGEABLE or isinstance(value, Enum)
+
+
+def _is_table(value: object) -> TypeGuard[dict[Any, Any]]:
+    return type(value) is dict and all(map(_is_plain, value.values()))
+
+
+def _is_pose(value: object) -> TypeGuard[Transformation3d]:
+    return isinstance(value, Transformation3d)
+
+
+def _is_list(value: object) -> TypeGuard[list[Any]]:
+    return type(value) is list and all(map(_is_plain, value))
+
+
+def _is_renewable(component: Object) -> bool:
+    """Whether nothing of a component changes but its attributes that are its state."""
+    cls = type(component)
+    return (
+        is_of_morse(cls)
+        and not component.is_camera
+        and cls.get_state is Object.get_state
+        and cls.set_state is Object.set_state
+        and not (component.output_functions or component.input_modifiers or component.output_modifiers)
+        and len(PendingCommands.all_of(component)) == len(component.input_functions)
+        and getattr(component, "realism", None) is None
+        and not is_overridden(component)
+    )
 
 
 class Holder(Protocol):

@@ -170,8 +170,7 @@ class Ticker:
         frequency = self._clock.frequency
         self._robots = loaded.robots
         self._robot_attributes = [vars(robot) for robot in loaded.robots]
-        self._watched = -1
-        self._review_at, self._has_changed = 0, True
+        self._watched, self._review_at, self._has_changed = -1, 0, True
         self.separate()
         # in reverse order, as in 1.4: of several actuators of a robot, the one created first has the last word; but
         # keys and sticks that are held always have it
@@ -198,6 +197,11 @@ class Ticker:
             rows.release()
         for held in self._held:
             held.release()
+
+    def begin_anew(self) -> None:
+        """Begin again with the same components, whose states are those after they were created."""
+        self._watched, self._review_at, self._has_changed = -1, 0, True
+        self.gather()
 
     def gather(self) -> None:
         """Undo `separate`."""
