@@ -26,7 +26,8 @@ from morse.eyes.geoms import (
 )
 from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_scenes
 from morse.eyes.store import SKY, store_of
-from morse.kernel.drawing.arrays import CAMERA, Poses
+from morse.kernel.drawing.arrays import CAMERA
+from morse.kernel.drawing.composing import Composition
 from morse.kernel.drawing.native import NativeDrawer, drawer
 from morse.rendering.meshes import spheres_around
 
@@ -35,7 +36,8 @@ if TYPE_CHECKING:
 
     from morse.eyes.light import Lit
     from morse.eyes.store import Prepared
-    from morse.kernel.drawing.arrays import Light, Pictures
+    from morse.kernel.drawing.arrays import Light, Pictures, Poses
+    from morse.kernel.drawing.composing import Box
 
 #: names of the looks
 LOOKS = ("classic", "morse")
@@ -164,12 +166,15 @@ class Artist:
         self._of: bytes | None = None
         self._instances: Instances | None = None
         self._drawer: NativeDrawer | None = None
+        #: what the last depths and ids depend on, and these: the picture of colours has them, too
+        self._surface: tuple[object, NDArray[np.float32], NDArray[np.int32]] | None = None
 
     def surfaces(self, scene: Any, geoms: Geoms, view: View) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         """The depth (H, W), m, and the ids (H, W, 2), id and type, of all geoms as opaque ones."""
         depth, shown, instances = self._surfaces(scene, geoms, view)
-        table = np.concatenate([instances.ids, np.full((1, 2), -1, np.int32)])
-        return depth, table[shown]
+        # pairs of numbers, read as one
+        table = np.concatenate([instances.ids, np.full((1, 2), -1, np.int32)]).view(np.int64)[:, 0]
+        return depth, table[shown].view(np.int32).reshape(*shown.shape, 2)
 
     def segments(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.int32]:
         """The numbers ``segid`` of geoms (H, W), -1 for none."""
@@ -183,13 +188,17 @@ class Artist:
         """The depth (H, W), and the instances (H, W), -1 for none."""
         g = geoms.now()
         instances, draw = self._arranged(g, scene)
-        poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
-        draw.arrange(instances.parts, maps=instances.maps)
-        pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1)
-        depth = pictures.depth.reshape(view.height, view.width)
+        key = self._key(scene, g, view)
+        if self._surface is None or self._surface[0] != key:
+            poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
+            draw.arrange(instances.parts, maps=instances.maps)
+            pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1)
+            self._surface = key, pictures.depth, pictures.ids
+        shape = view.height, view.width
+        depth, shown = self._surface[1].reshape(shape), self._surface[2].reshape(shape)
         # the background is at the far plane
         depth = np.where(depth > 0.0, depth, np.float32(view.far)) - np.float32(view.shift)
-        return depth, pictures.ids.reshape(view.height, view.width), instances
+        return depth, shown, instances
 
     def colors(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.uint8]:
         """The colours (H, W, 3) of a scene; geoms that are not finite are not drawn."""
@@ -209,13 +218,42 @@ class Artist:
         lights, around = lights_of(scene), self._around(g, scene.flags, view)
         maps = self._shadows(scene, g, instances, draw, lights, poses, view)
         make = classic if self._plain else of_scenes
-        picture = _Composition(draw, instances, solid, poses, make(lights, maps, around), view)
+        light = make(lights, maps, around)
+
+        def drawn(parts: NDArray[np.int32], own: View, light: Light = light) -> Pictures:
+            draw.arrange(parts)
+            return draw.draw(own.row(color=True), poses, light, 5)
+
+        first = drawn(solid, view)
+        if not clear.any():
+            self._surface = self._key(scene, g, view), first.depth, first.ids
+        layers = _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view)
+        picture = Composition(first, view.width, view.height, exact=bool(layers))
         if scene.flags[_REFLECTION]:
+            dim = make(lights, [None] * len(lights), _NOTHING)
+            # reflecting surfaces are not reflected
+            others = solid[g["reflectance"][instances.geoms[solid[:, 1]]] <= 0]
             for number in np.flatnonzero((g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind):
-                picture.reflect(int(number), g, make(lights, [None] * len(lights), _NOTHING))
-        for numbers, box in _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view):
-            picture.cover(numbers, box, float(opacity[numbers[0]]))
+                chosen = instances.geoms == number
+                box = picture.extent(chosen)
+                if box is not None:
+                    image = drawn(others, view.mirrored(_plane_of(g[number])).cut(_mirrored(box, view)), dim)
+                    picture.reflect(image, box, chosen, float(g["reflectance"][number]))
+        for numbers, box in layers:
+            chosen = np.isin(instances.geoms, numbers)
+            image = drawn(np.concatenate([solid, instances.parts[chosen[instances.owner]]]), view.cut(box))
+            # MuJoCo draws translucent surfaces twice
+            picture.cover(image, box, chosen, 1 - (1 - float(opacity[numbers[0]])) ** 2)
         return picture.codes()
+
+    def _key(self, scene: Any, g: NDArray[np.void], view: View) -> tuple[object, ...]:
+        """All that depths and ids depend on."""
+        vertices = (scene.skinvert.tobytes(), scene.flexface.tobytes()) if self._of_moving() else ()
+        numbers = (*view.eye, *view.axes.ravel(), view.fx, view.fy, view.cx, view.cy, view.near, view.far, view.shift)
+        return (looks_of(g), g["pos"].tobytes(), g["mat"].tobytes(), numbers, view.width, view.height, *vertices)
+
+    def _of_moving(self) -> bool:
+        return self._instances is not None and bool(self._instances.prepared.moving)
 
     def _arranged(self, g: NDArray[np.void], scene: Any) -> tuple[Instances, NativeDrawer]:
         """The instances of the geoms of a scene, which change seldom, and what draws them."""
@@ -289,9 +327,7 @@ class Artist:
             sky = int(self._instances.prepared.textures[self._skies[0]])
         plane = None
         if flags[_HAZE] and sky >= 0 and len(self._instances.infinite):
-            geom = g[self._instances.infinite[0]]
-            normal = geom["mat"].reshape(3, 3)[:, 2].astype(np.float64)
-            plane = np.array([*normal, float((normal * geom["pos"]).sum())])
+            plane = _plane_of(g[self._instances.infinite[0]])
         fog = None
         if flags[_FOG]:
             fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent, settings.fogend * extent)
@@ -367,74 +403,15 @@ def _reach(g: NDArray[np.void]) -> NDArray[np.float32]:
     return np.asarray(np.where(known > 0, known, own), np.float32)
 
 
-class _Composition:
-    """A picture to which reflections and translucent surfaces are added; numbers are codes, 0 to 255."""
+def _plane_of(geom: np.void) -> NDArray[np.float64]:
+    """(4,) the normal and the offset of a plane."""
+    normal = geom["mat"].reshape(3, 3)[:, 2].astype(np.float64)
+    return np.array([*normal, float((normal * geom["pos"]).sum())])
 
-    def __init__(
-        self,
-        draw: NativeDrawer,
-        instances: Instances,
-        solid: NDArray[np.int32],
-        poses: Poses,
-        light: Light,
-        view: View,
-    ) -> None:
-        self._draw, self._instances, self._solid = draw, instances, solid
-        self._poses, self._light, self._view = poses, light, view
-        pictures = self._drawn(solid, view)
-        self._first = pictures.rgba.reshape(view.height, view.width, 4)
-        self._ids = pictures.ids.reshape(view.height, view.width)
-        self._total: NDArray[np.float32] | None = None
 
-    def _drawn(self, parts: NDArray[np.int32], view: View, light: Light | None = None) -> Pictures:
-        self._draw.arrange(parts)
-        return self._draw.draw(view.row(color=True), self._poses, light or self._light, 5)
-
-    def _sum(self) -> NDArray[np.float32]:
-        if self._total is None:
-            self._total = self._first[..., :3].astype(np.float32)
-        return self._total
-
-    def codes(self) -> NDArray[np.uint8]:
-        """(H, W, 3) the picture."""
-        if self._total is None:
-            return np.ascontiguousarray(self._first[..., :3])
-        return (np.clip(self._total, 0.0, 255.0) + np.float32(0.5)).astype(np.uint8)
-
-    def reflect(self, number: int, g: NDArray[np.void], light: Light) -> None:
-        """Add what a plane reflects, in another light: without shadows."""
-        mask = np.isin(self._ids, np.flatnonzero(self._instances.geoms == number))
-        if not mask.any():
-            return
-        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-        geom, view = g[number], self._view
-        normal = geom["mat"].reshape(3, 3)[:, 2].astype(np.float64)
-        plane = np.array([*normal, float((normal * geom["pos"]).sum())])
-        # reflecting surfaces are not reflected
-        others = self._solid[g["reflectance"][self._instances.geoms[self._solid[:, 1]]] <= 0]
-        box = (view.width - int(columns[-1]) - 1, int(rows[0]), view.width - int(columns[0]), int(rows[-1]) + 1)
-        own = view.mirrored(plane).cut(box)
-        pictures = self._drawn(others, own, light)
-        seen = (pictures.ids >= 0).reshape(own.height, own.width)[:, ::-1]
-        image = pictures.rgba.reshape(own.height, own.width, 4)[:, ::-1, :3]
-        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-        share = np.where(seen & mask[part], np.float32(geom["reflectance"]), np.float32(0.0))
-        self._sum()[part] += share[..., None] * image
-
-    def cover(self, numbers: list[int], box: tuple[int, int, int, int], opacity: float) -> None:
-        """Draw translucent geoms, which are in a box, over the picture."""
-        view = self._view
-        own = np.flatnonzero(np.isin(self._instances.geoms, numbers))
-        parts = self._instances.parts[np.isin(self._instances.owner, own)]
-        pictures = self._drawn(np.concatenate([self._solid, parts]), view.cut(box))
-        x0, y0, x1, y1 = box
-        part = slice(y0, y1), slice(x0, x1)
-        image = pictures.rgba.reshape(y1 - y0, x1 - x0, 4)[..., :3].astype(np.float32)
-        mask = np.isin(pictures.ids, own).reshape(y1 - y0, x1 - x0, 1)
-        # MuJoCo draws translucent surfaces twice
-        share = np.float32(1 - (1 - opacity) ** 2)
-        total, first = self._sum()[part], self._first[part][..., :3].astype(np.float32)
-        total += share * (image - first + mask * (first - total))
+def _mirrored(box: Box, view: View) -> Box:
+    """The pixels of a part in a picture whose columns are from right to left."""
+    return view.width - box[2], box[1], view.width - box[0], box[3]
 
 
 #: geoms that are within a box of their sizes; with the caps of a capsule
