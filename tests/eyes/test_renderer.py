@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -582,6 +583,83 @@ if child == 0:
 raise SystemExit(os.waitpid(child, 0)[1])
 """
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked on POSIX systems")
+def test_a_process_that_is_forked_while_another_thread_draws_goes_on() -> None:
+    program = f"""
+import os, signal, threading, mujoco, morse
+model = mujoco.MjModel.from_xml_string({_world(_LIFT)!r})
+data = mujoco.MjData(model)
+mujoco.mj_forward(model, data)
+renderer, rays, stop, begun = morse.Renderer(model, 64, 64), morse.Rays(model), threading.Event(), threading.Event()
+renderer.update_scene(data)
+picture = renderer.render()
+
+def draw():
+    while not stop.is_set():
+        morse.Renderer(model, 8, 8).close()
+        renderer.update_scene(data)
+        renderer.render()
+        begun.set()
+
+threads = [threading.Thread(target=draw) for _ in range(2)]
+for thread in threads:
+    thread.start()
+begun.wait()
+failed = 0
+for _ in range(20):
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)
+        renderer.update_scene(data)
+        same = (renderer.render() == picture).all()
+        with morse.Renderer(model, 64, 64) as other:
+            other.update_scene(data)
+            same &= (other.render() == picture).all()
+        rays.cast([data] * 8, (0, 0, 3), [[0, 0, -1.0]] * 5000)
+        os._exit(0 if same else 1)
+    failed += os.waitpid(child, 0)[1] != 0
+stop.set()
+for thread in threads:
+    thread.join()
+raise SystemExit(failed)
+"""
+    assert subprocess.run([sys.executable, "-c", program], check=False, timeout=600).returncode == 0
+
+
+def test_a_further_renderer_of_many_bodies_takes_little_memory() -> None:
+    """Of 3,000 bodies, it took 80 MB: room for all that options can show, and for all triangles of a picture."""
+    bodies = "".join(
+        f'<body pos="{n % 60} {n // 60} 1"><freejoint/><geom type="box" size=".2 .2 .2"/></body>' for n in range(3000)
+    )
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    table = Path("/proc/self/statm")
+    kept = []
+    for _ in range(3):
+        renderer = morse.Renderer(model, 64, 64)
+        renderer.update_scene(data)
+        renderer.render()
+        kept.append(renderer)
+    assert kept[0].scene.maxgeom < 3 * model.ngeom
+    if table.exists():
+        before = int(table.read_text().split()[1])
+        for _ in range(4):
+            kept.append(morse.Renderer(model, 64, 64))
+            kept[-1].update_scene(data)
+            kept[-1].render()
+        pages = int(table.read_text().split()[1]) - before
+        assert pages * os.sysconf("SC_PAGE_SIZE") / 4 < 10e6
+    # options that show more have room for it
+    option = mujoco.MjvOption()
+    option.frame = mujoco.mjtFrame.mjFRAME_BODY
+    kept[0].scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
+    kept[0].update_scene(data, scene_option=option)
+    assert kept[0].scene.ngeom >= model.ngeom + 3 * (model.nbody - 1)
+    assert kept[0].scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] == 0
+    kept[0].render()
 
 
 @pytest.mark.parametrize(

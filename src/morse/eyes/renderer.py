@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from threading import Lock
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -29,6 +29,7 @@ class Renderer:
         model: `mujoco.MjModel`.
         height, width: of the pictures, pixels; at most those of the offscreen buffer of the model.
         max_geom: largest number of geoms of a scene; None for a number that suffices for the model, with 2,000 more.
+            `scene` is then another one from the first option on that shows more than MuJoCo does by default.
         font_scale: ignored: texts are not drawn.
         look: ``classic`` for the look of MuJoCo's own renderer, ``morse`` for that of the cameras of MORSE.
 
@@ -63,13 +64,17 @@ class Renderer:
         if look not in LOOKS:
             raise ValueError(f"The look {look!r} does not exist; there are: {', '.join(LOOKS)}.")
         self._model, self._width, self._height = model, int(width), int(height)
-        self._scene = mujoco.MjvScene(model=model, maxgeom=_room_for(model) if max_geom is None else max_geom)
+        self._scene = mujoco.MjvScene(
+            model=model, maxgeom=_room_for(model, all_of_it=False) if max_geom is None else max_geom
+        )
+        #: a scene takes 0.8 kB a geom: one that has room for everything is made when it is needed
+        self._grows = max_geom is None
         self._geoms = GeomArray(self._scene, three_geoms)
         self._scene_option = mujoco.MjvOption()
         self._artist = Artist(model, look, 2 * max(width, height))
         self._mode = "rgb"
         #: what draws serves one call at a time
-        self._lock = Lock()
+        self._lock = threads.lock()
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -141,6 +146,8 @@ class Renderer:
         if not isinstance(camera, mujoco.MjvCamera):
             camera = _camera_of(self._model, camera)
         with self._lock:
+            if self._grows and not _is_usual(scene_option or self._scene_option):
+                self._grow()
             # infinite planes are placed around the camera of the scene, which would be that of the last call
             mujoco.mjv_updateCamera(self._model, data, camera, self._scene)
             mujoco.mjv_updateScene(
@@ -152,6 +159,13 @@ class Renderer:
                 mujoco.mjtCatBit.mjCAT_ALL.value,
                 self._scene,
             )
+
+    def _grow(self) -> None:
+        """Take a scene that has room for everything that options can show."""
+        self._grows, old = False, self._scene
+        self._scene = mujoco.MjvScene(model=self._model, maxgeom=_room_for(self._model, all_of_it=True))
+        self._scene.flags[:] = old.flags
+        self._geoms = GeomArray(self._scene, three_geoms)
 
     def render(self, *, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Return the picture.
@@ -239,7 +253,7 @@ class BatchRenderer:
         self._renderers = [make() for _ in range(min(threads.count(), count))]
         self._states = [mujoco.MjData(model) for _ in self._renderers]
         #: each state that is drawn has a renderer of its own, which serve one call at a time
-        self._lock = Lock()
+        self._lock = threads.lock()
 
     def render(
         self,
@@ -329,10 +343,27 @@ _SIZES: tuple[str, ...] = (
 )
 
 
-def _room_for(model: mujoco.MjModel) -> int:
-    """A number of geoms for all elements of a model, and their frames, labels, forces and contacts."""
-    elements = model.ngeom + model.nsite + model.nbody + model.njnt + model.nu + model.ntendon + model.nsensor
-    return int(4 * elements + 2 * model.nwrap + 16 * model.nflex + model.nskin + 2000)
+def _room_for(model: mujoco.MjModel, *, all_of_it: bool) -> int:
+    """A number of geoms for a model: those that are shown by default, or all of them.
+
+    All of them include frames, labels, forces and contacts.
+    """
+    # a slack tendon is a chain of segments
+    shown = model.ngeom + model.nsite + 2 * model.nwrap + 40 * model.ntendon + 16 * model.nflex + model.nskin
+    shown += model.nsensordata  # rays of range finders
+    rest = 3 * shown + 4 * (model.nbody + model.njnt + model.nu + model.nsensor) if all_of_it else 0
+    return int(shown + rest + 2000)
+
+
+def _is_usual(option: mujoco.MjvOption) -> bool:
+    """Whether an option shows no more kinds of elements than MuJoCo does by default."""
+    usual = _usual_flags()
+    return not ((np.asarray(option.flags) != 0) & ~usual).any() and not option.frame and not option.label
+
+
+@cache
+def _usual_flags() -> NDArray[np.bool_]:
+    return np.array(mujoco.MjvOption().flags, np.bool_)
 
 
 def check_state(model: mujoco.MjModel, data: mujoco.MjData) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from threading import Lock
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakValueDictionary
 
 import numpy as np
 
 from morse.eyes.shapes import Triangles, cube_mapped, height_field, plane, primitive, surface_mesh
+from morse.kernel import threads
 from morse.kernel.drawing.arrays import MATERIAL, VERTEX, Drawing
 from morse.kernel.drawing.native import NativeDrawer, drawer
 from morse.rendering.contents import MeshStore
@@ -85,7 +85,7 @@ class ModelStore:
     """
 
     def __init__(self, model: Any, *, plain: bool) -> None:
-        self._lock = Lock()
+        self._lock = threads.lock()
         self._arrays = {name: np.array(getattr(model, name)) for name in _ARRAYS if hasattr(model, name)}
         self._quality = _quality(model)
         self._channels = np.array(getattr(model, "tex_nchannel", np.full(model.ntex, 3)))
@@ -101,14 +101,16 @@ class ModelStore:
         """Return shapes, among them those that are asked for."""
         with self._lock:
             missing = [key for key in dict.fromkeys(keys) if key not in self._chunks]
-            if missing or self._prepared is None:
-                made = [self._made(key) for key in missing]
+            known = self._prepared is not None and len(self._prepared.shapes) == len(self._chunks)
+            if missing or not known:
+                made = [self._made(key) for key in missing]  # none if the process was forked meanwhile
                 slots = [6 if "cube" in key else 1 for key in missing]
                 clusters = self._meshes.clusters(
                     [(mesh, count, mesh.uvs is not None) for mesh, count in zip(made, slots, strict=True)]
                 )
                 self._chunks.update(zip(missing, zip(clusters, slots, strict=True), strict=True))
                 self._prepared = self._joined()
+            assert self._prepared is not None
             return self._prepared
 
     def _joined(self) -> Prepared:
@@ -257,7 +259,7 @@ def _quality(model: Any) -> tuple[int, int, int]:
 
 
 _stores: WeakValueDictionary[tuple[bytes, bool], ModelStore] = WeakValueDictionary()
-_stores_lock = Lock()
+_stores_lock = threads.lock()
 
 
 def store_of(model: Any, *, plain: bool) -> ModelStore:

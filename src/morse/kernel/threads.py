@@ -6,7 +6,9 @@ import os
 import platform
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from threading import Lock
 from typing import TYPE_CHECKING
+from weakref import WeakSet
 
 from morse.kernel import targets
 from morse.kernel.loading import load
@@ -50,6 +52,26 @@ def together(work: Callable[[], object], pieces: int) -> None:
         if not future.cancel():
             future.result()
 
+
+_locks: WeakSet[Lock] = WeakSet()
+
+
+def lock() -> Lock:
+    """Return a lock that is free in a process that is forked while another thread holds it."""
+    made = Lock()
+    _locks.add(made)
+    return made
+
+
+def _after_fork() -> None:
+    """The threads of the parent do not exist in a process that is forked: nobody would release its locks."""
+    _pool.cache_clear()
+    for one in list(_locks):
+        one._at_fork_reinit()  # type: ignore[attr-defined]
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 #: the level of the x86-64 psABI from which on processors fuse products and sums
 _FUSES = 3

@@ -253,6 +253,17 @@ _CHUNKS = 33
 _SAMPLES = {count: np.array(positions, np.float32) for count, positions in SAMPLES.items()}
 
 
+class _Triangles:
+    """Memory for the triangles of a picture, which is needed only while it is drawn: all drawers share it."""
+
+    def __init__(self, count: int) -> None:
+        self.seen, self.bounds = aligned(count, SEEN), np.empty((count, 4), np.int16)
+
+
+#: those that no thread uses at present
+_spare: list[_Triangles] = []
+
+
 class NativeDrawer:
     """Renders images.
 
@@ -283,7 +294,6 @@ class NativeDrawer:
             self._points = like._points
             frame.point(**self._points)
         self.drawn_tiles = 0
-        self._seen = 0
         self._sizes = (-1, -1)
         self._room: dict[str, NDArray[np.generic]] = {}
 
@@ -389,9 +399,13 @@ class NativeDrawer:
     def _draw(self, tiles: int) -> None:
         """Run all stages in several threads."""
         frame, function = self._frame, self._library.morse_draw_picture
-        if frame.seen_count > self._seen:
-            self._seen = frame.seen_count * 5 // 4
-            frame.point(seen=aligned(self._seen, SEEN), bounds=np.empty((self._seen, 4), np.int16))
+        try:
+            room = _spare.pop()
+        except IndexError:
+            room = _Triangles(0)
+        if frame.seen_count > len(room.bounds):
+            room = _Triangles(frame.seen_count * 5 // 4)
+        frame.point(seen=room.seen, bounds=room.bounds)
         frame.restart()
         pieces = min(tiles, frame.drawn_count + 1)
         frame.thread_count = min(threads.count(), pieces)
@@ -401,6 +415,8 @@ class NativeDrawer:
             frame.member_room = frame.member_count * 5 // 4
             frame.point(members=np.empty(frame.member_room, np.int32))
             threads.together(lambda: function(ctypes.byref(frame)), pieces)
+        frame.forget("seen", "bounds")
+        _spare.append(room)
 
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
         """Draw parts into the shadow map.
