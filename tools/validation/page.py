@@ -13,6 +13,7 @@ import engine
 import mechanics
 import pictures
 import seeing
+import senses
 import sensing
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ CHAPTERS = (
     ("Linkages and arms", coupling),
     ("Sensors", sensing),
     ("Cameras", seeing),
+    ("Radar, sonar and other senses", senses),
     ("The engine", engine),
 )
 HEAD = """# Validation

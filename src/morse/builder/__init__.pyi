@@ -50,6 +50,7 @@ from morse.builder.components.robots import Human as Human
 from morse.builder.components.robots import LocalizedPR2 as LocalizedPR2
 from morse.builder.components.robots import Morsy as Morsy
 from morse.builder.components.robots import NavPR2 as NavPR2
+from morse.builder.components.sensors import CameraCreator as CameraCreator
 from morse.builder.components.sensors import CompoundSensor as CompoundSensor
 from morse.builder.components.sensors import Kinect as Kinect
 from morse.builder.components.sensors import LaserSensorWithArc as LaserSensorWithArc
@@ -155,7 +156,7 @@ from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
 from morse.core.exceptions import NoComponentError as NoComponentError
 from morse.core.exceptions import UnexportableError as UnexportableError
 from morse.scene.scene import TimeStrategies as TimeStrategies
-from typing import Any
+from typing import Any, Literal
 import logging as logging
 import math as math
 import os as os
@@ -194,14 +195,20 @@ __all__ = [
     "Coordsys",
     "Cube",
     "Cylinder",
+    "DAVIS346",
+    "DVL",
+    "DVL1000",
+    "DVLA50",
     "DepthCamera",
     "DepthCameraAggregator",
     "DepthCameraRotationZ",
     "DepthVideoCamera",
     "Destination",
     "Drag",
+    "EchoSounder",
     "Empty",
     "Environment",
+    "EventCamera",
     "ExternalForce",
     "FakeRobot",
     "ForceTorque",
@@ -217,6 +224,7 @@ __all__ = [
     "Hydrodynamics",
     "IMU",
     "IcoSphere",
+    "ImagingSonar",
     "Infrared",
     "Jido",
     "Joystick",
@@ -252,9 +260,11 @@ __all__ = [
     "MotionVWAckermann",
     "MotionVWDiff",
     "MotionXYW",
+    "MultibeamSonar",
     "NavPR2",
     "NoComponentError",
     "NormalCamera",
+    "OculusM750d",
     "Odometry",
     "OpticalFlowCamera",
     "Orientation",
@@ -263,6 +273,7 @@ __all__ = [
     "PTUPosture",
     "PassiveObject",
     "PatrolBot",
+    "Ping1D",
     "Pioneer3DX",
     "Plane",
     "Pose",
@@ -287,10 +298,13 @@ __all__ = [
     "SensorCreator",
     "Sick",
     "SickLDMRS",
+    "SideScanSonar",
+    "SonicR2024",
     "Sound",
     "Sphere",
     "Spot",
     "StabilizedQuadrotor",
+    "StarFish450F",
     "SteerForce",
     "StereoUnit",
     "Submarine",
@@ -346,6 +360,206 @@ class ARS408(SensorCreator):
         **kwargs: Any,
     ) -> None: ...
 
+class DAVIS346(CameraCreator):
+    """An iniVation DAVIS346: 346 x 260 pixels, threshold 14.3 %, deviation 3.5 %."""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        screen_space_error: float = ...,
+        on_demand: bool = ...,
+        capturing: bool = ...,
+        threshold: float = ...,
+        threshold_deviation: float = ...,
+        refractory_period: float = ...,
+        noise_rate: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class DVL(SensorCreator):
+    """Doppler velocity log: velocity over the ground, altitude"""
+    def properties(
+        self,
+        *,
+        beam_angle: float = ...,
+        min_altitude: float = ...,
+        max_altitude: float = ...,
+        water_track: bool = ...,
+        current_x: float = ...,
+        current_y: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        scale_error: float = ...,
+        noise: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class DVL1000(SensorCreator):
+    """A Nortek DVL1000: 0.2 to 75 m, four beams at 25 degrees, 0.1 % and 0.1 cm/s."""
+    def properties(
+        self,
+        *,
+        beam_angle: float = ...,
+        min_altitude: float = ...,
+        max_altitude: float = ...,
+        water_track: bool = ...,
+        current_x: float = ...,
+        current_y: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        scale_error: float = ...,
+        noise: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class DVLA50(SensorCreator):
+    """A Water Linked DVL A50: 0.05 to 50 m, four beams at 22.5 degrees, 1.01 % and 0.1 cm/s."""
+    def properties(
+        self,
+        *,
+        beam_angle: float = ...,
+        min_altitude: float = ...,
+        max_altitude: float = ...,
+        water_track: bool = ...,
+        current_x: float = ...,
+        current_y: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        scale_error: float = ...,
+        noise: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class EchoSounder(SensorCreator):
+    """Depth of the ground below by sound"""
+    def properties(
+        self,
+        *,
+        beam_width: float = ...,
+        min_range: float = ...,
+        max_range: float = ...,
+        carrier: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        assumed_speed: float = ...,
+        resolution: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class EventCamera(CameraCreator):
+    """A camera that reports changes of the brightness of pixels"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        screen_space_error: float = ...,
+        on_demand: bool = ...,
+        capturing: bool = ...,
+        threshold: float = ...,
+        threshold_deviation: float = ...,
+        refractory_period: float = ...,
+        noise_rate: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class ImagingSonar(SensorCreator):
+    """Multibeam forward-looking sonar: an image by range and angle"""
+    def properties(
+        self,
+        *,
+        beams: int = ...,
+        bins: int = ...,
+        elevation_rays: int = ...,
+        fov: float = ...,
+        elevation: float = ...,
+        max_range: float = ...,
+        carrier: float = ...,
+        gain: float = ...,
+        noise: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class MultibeamSonar(SensorCreator):
+    """Depth profile across the track"""
+    def properties(
+        self,
+        *,
+        beams: int = ...,
+        fov: float = ...,
+        max_range: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        gradient: float = ...,
+        assumed_speed: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class OculusM750d(SensorCreator):
+    """A Blueprint Subsea Oculus M750d at 750 kHz: 512 beams, 130 x 20 degrees, up to 120 m."""
+    def properties(
+        self,
+        *,
+        beams: int = ...,
+        bins: int = ...,
+        elevation_rays: int = ...,
+        fov: float = ...,
+        elevation: float = ...,
+        max_range: float = ...,
+        carrier: float = ...,
+        gain: float = ...,
+        noise: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class Ping1D(SensorCreator):
+    """A Blue Robotics Ping: 0.3 to 100 m, 25 degrees, 115 kHz; resolution 0.5 % of the range."""
+    def properties(
+        self,
+        *,
+        beam_width: float = ...,
+        min_range: float = ...,
+        max_range: float = ...,
+        carrier: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        assumed_speed: float = ...,
+        resolution: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
 class Radar(SensorCreator):
     """Measures range, angle, velocity and cross-section of reflecting objects"""
     def properties(
@@ -362,6 +576,49 @@ class Radar(SensorCreator):
         azimuth_resolution: float = ...,
         sensitivity: float = ...,
         most_detections: int = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class SideScanSonar(SensorCreator):
+    """An image of the bottom on both sides of the track"""
+    def properties(
+        self,
+        *,
+        pings: int = ...,
+        samples: int = ...,
+        rays_per_side: int = ...,
+        max_range: float = ...,
+        gain: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class SonicR2024(SensorCreator):
+    """An R2Sonic 2024: 256 beams over up to 160 degrees, 400 m."""
+    def properties(
+        self,
+        *,
+        beams: int = ...,
+        fov: float = ...,
+        max_range: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        gradient: float = ...,
+        assumed_speed: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class StarFish450F(SensorCreator):
+    """A Blueprint Subsea StarFish 450F: 450 kHz, up to 100 m on each side."""
+    def properties(
+        self,
+        *,
+        pings: int = ...,
+        samples: int = ...,
+        rays_per_side: int = ...,
+        max_range: float = ...,
+        gain: float = ...,
         errors: bool = ...,
         **kwargs: Any,
     ) -> None: ...

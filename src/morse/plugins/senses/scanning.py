@@ -127,3 +127,38 @@ def picture(pixels: NDArray[np.uint8], data: Mapping[str, object]) -> dict[str, 
     """Return a picture (H, W, 3) as the live view shows it, magnified until it is 256 pixels wide."""
     times = max(1, 256 // max(pixels.shape[1], 1))
     return {"image": pixels.repeat(times, axis=0).repeat(times, axis=1), "timestamp": data.get("timestamp", 0.0)}
+
+
+def echoes_by_range(bins: NDArray[np.int64], power: Floats, same: NDArray[np.bool_], count: int) -> Floats:
+    """Return the power (count, beams) of the echoes in each range cell of each beam.
+
+    The rays of a beam are neighbours in elevation. If two of them hit the same surface, it fills the cells
+    between theirs, so that a grazing bottom is no row of arcs.
+
+    Args:
+        bins: (E, B) the cell of each ray; ``count`` and beyond for no echo.
+        power: (E, B) of each ray.
+        same: (E - 1, B) whether a ray and the next one have hit the same surface.
+        count: number of cells.
+    """
+    rows, beams = bins.shape
+    near = same & (bins[:-1] < count) & (bins[1:] < count)
+    step = np.where(near, bins[1:] - bins[:-1], 0)
+    # a ray without such a neighbour fills as many cells as the one before it
+    step = np.concatenate([step, np.zeros((1, beams), np.int64)])
+    step[1:] = np.where(step[1:] == 0, step[:-1], step[1:])
+    first = np.maximum(np.where(step < 0, bins + step + 1, bins), 0)
+    last = np.where(step > 0, bins + step - 1, bins)
+    share = np.where(bins < count, power / (last - first + 1), 0.0)
+    columns = np.broadcast_to(np.arange(beams), (rows, beams))
+    size = (count + 2) * beams
+    begins = np.bincount((np.minimum(first, count) * beams + columns).ravel(), share.ravel(), minlength=size)
+    ends = np.bincount((np.minimum(last + 1, count + 1) * beams + columns).ravel(), share.ravel(), minlength=size)
+    total = np.add.accumulate((begins - ends).reshape(count + 2, beams), axis=0)[:count]
+    # what rounding leaves of cells without an echo
+    return np.where(total > 1e-12, total, 0.0)
+
+
+def acoustic_reflectivity(body: Body) -> float:
+    """Return the share of the sound that an object scatters: its property ``acoustic_reflectivity``, or 0.5."""
+    return number_of(body, "acoustic_reflectivity", 0.5, high=1.0)

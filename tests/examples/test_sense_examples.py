@@ -1,0 +1,26 @@
+"""What a submarine and a car do by the sensors of the examples."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.long
+FOLDER = Path(__file__).parents[2] / "examples" / "senses"
+
+
+def run(name):
+    return runpy.run_path(str(FOLDER / name))["main"]()
+
+
+def test_a_submarine_keeps_its_height():
+    worst, way, passed = run("keep_altitude.py")
+    assert worst < 0.25
+    assert passed > 30.0
+    assert way == pytest.approx(passed, rel=0.01)
+
+
+def test_a_car_stops_before_a_parked_car_and_not_at_the_sign():
+    gap, at_sign = run("brake_by_radar.py")
+    assert at_sign == 12.0
+    assert 2.0 < gap < 7.0
