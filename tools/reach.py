@@ -14,7 +14,8 @@ and masses (its shapes are left out, since that parser reads few meshes).
 | places | largest distance of a joint from its place in the other engine, with all joints at 0, m |
 | rests | no body is faster than 0.05 m/s from 2.5 to 3 s: it stands or holds, with its motors at the start. An arm that
   topples, which is one whose base carries one joint, is tried again with its base fixed. What has no collision shapes
-  is not judged |
+  is not judged. An MJCF file is compared with MuJoCo alone, with the same step, commands and start: on a floor if the
+  file has none, and on top of it if the file begins below it. One that MuJoCo refuses is not judged |
 | drives | m of 1.2 m in 4 s at 0.3 m/s, and rad of 1 rad in 2 s at 0.5 rad/s, from rest, by wheels of the file; in a
   world, m in 4 s of an ATRV that is told to drive at 0.5 m/s, from the best of five places, each on the lowest surface
   with 1 m of room above it. A world without such a surface is not judged |
@@ -138,8 +139,6 @@ def _moving_mass(model: Any) -> float:
 
 
 def _robot(path: Path, other: Any) -> Row:
-    import mujoco
-
     import morse
 
     def scene() -> None:
@@ -163,6 +162,7 @@ def _robot(path: Path, other: Any) -> Row:
             row["places"] = _apart(world.model, other)
         row["collides"] = bool(world.model.geom_contype[world.model.geom_bodyid > 0].any())
         is_arm = _is_free_arm(world.model)
+        start = _start(world)
         row["rests"] = _rests(sim)
         row["failures"] = [str(one)[:200] for one in sim.failures]
     if not row["rests"] and is_arm:
@@ -170,17 +170,8 @@ def _robot(path: Path, other: Any) -> Row:
         with morse.load(scene) as sim:
             row["rests_fixed"] = _rests(sim)
         is_fixed = False
-    if not isinstance(other, str) and other.nq and not str(path).endswith(".urdf"):
-        spec = mujoco.MjSpec.from_file(str(path))
-        if not any(geom.type == mujoco.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):
-            # here the environment is the floor of a file without one
-            spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
-        alone = spec.compile()
-        data = mujoco.MjData(alone)
-        mujoco.mj_step(alone, data, int(2.5 / alone.opt.timestep))
-        before = data.xpos.copy()
-        mujoco.mj_step(alone, data, int(0.5 / alone.opt.timestep))
-        row["rests_there"] = bool(abs(data.xpos - before).max() / 0.5 < _RESTING)
+    if not isinstance(other, str) and other.nq and kind_of(path) == "mjcf":
+        row["rests_there"] = _rests_alone(path, start)
     drive = True
     try:
         with morse.load(scene) as sim:
@@ -189,6 +180,56 @@ def _robot(path: Path, other: Any) -> Row:
         if "has no wheels to drive" not in str(error):
             row["drives_not"] = str(error).splitlines()[0][:200]
     return row
+
+
+def _start(world: Any) -> tuple[float, dict[str, float], dict[str, tuple[float, bool]]]:
+    """The step, s, the heights of free bodies, m, and the commands of motors, with whether they act on a position."""
+    model, data = world.model, world.data
+    commands = {
+        model.actuator(number).name.partition("/")[2]: (
+            float(data.ctrl[number]),
+            bool(model.actuator_biasprm[number][1:3].any()),
+        )
+        for number in range(model.nu)
+    }
+    return float(model.opt.timestep), {name: float(data.qpos[place]) for name, place in _free(model)}, commands
+
+
+def _free(model: Any) -> list[tuple[str, int]]:
+    """The free bodies, and where their heights are among the positions."""
+    joints = [joint for joint in range(model.njnt) if model.jnt_type[joint] == 0]
+    return [
+        (model.body(int(model.jnt_bodyid[joint])).name.rpartition("/")[2], int(model.jnt_qposadr[joint]) + 2)
+        for joint in joints
+    ]
+
+
+def _rests_alone(path: Path, start: tuple[float, dict[str, float], dict[str, tuple[float, bool]]]) -> bool:
+    """Whether the bodies of an MJCF file rest in MuJoCo alone, from the same start."""
+    import mujoco
+
+    step, heights, commands = start
+    spec = mujoco.MjSpec.from_file(str(path))
+    if not any(geom.type == mujoco.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
+    spec.option.timestep = step
+    alone = spec.compile()
+    data = mujoco.MjData(alone)
+    for name, place in _free(alone):
+        data.qpos[place] = max(data.qpos[place], heights.get(name, data.qpos[place]))
+    for number in range(alone.nu):
+        name = alone.actuator(number).name
+        if f"{name} actuator" in commands:
+            data.ctrl[number] = commands[f"{name} actuator"][0]
+            continue
+        # motors of joints have the names of these, and their gears and gains are applied
+        command, holds = commands.get(alone.joint(int(alone.actuator_trnid[number][0])).name, (0.0, False))
+        gear = float(alone.actuator_gear[number][0])
+        data.ctrl[number] = command * gear if holds else command / (gear * alone.actuator_gainprm[number][0] or 1.0)
+    mujoco.mj_step(alone, data, round(2.5 / step))
+    before = data.xpos.copy()
+    mujoco.mj_step(alone, data, round(0.5 / step))
+    return bool(abs(data.xpos - before).max() / 0.5 < _RESTING)
 
 
 def _rests(sim: Any) -> bool:
@@ -348,8 +389,10 @@ def judged(row: Row) -> Row:
         same = same and (weightless or math.isclose(row["mass_here"], row["mass"], rel_tol=1e-3, abs_tol=grams))
     stands = None
     if loads and row.get("collides"):
-        rests = row["rests"] or row.get("rests_fixed", False)
-        stands = row["rests"] == row["rests_there"] if "rests_there" in row else rests
+        if row["kind"] != "mjcf":
+            stands = row["rests"] or row.get("rests_fixed", False)
+        elif "rests_there" in row:
+            stands = row["rests"] == row["rests_there"]
     drives: bool | None = None
     if loads and row["kind"] == "world":
         drives = row["drives"][0] > 1.0 if row["floor"] else None

@@ -9,6 +9,7 @@ from functools import partial
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import unquote
 
 from morse.assets import search
 from morse.system import variables
@@ -53,8 +54,8 @@ def find_near(name: str, model: Path) -> Path:
     After symbolic links are resolved, a file must be in the package of the model, or in a folder of these variables, of
     MORSE_RESOURCE_PATH or of the project. If no file marks the package of the model, the folder of the model and its
     parent are used, the folder above one such as ``urdf``, and the Python package or the repository that contains them.
-    The models of a world may also be in a folder ``models`` beside its own. A file whose name differs in capitals is
-    used if there is no other.
+    The models of a world may also be in a folder ``models`` beside its own. URIs may contain ``%20`` and the like. A
+    file whose name differs in capitals is used if there is no other.
 
     Raises:
         FileRefusedError: the file does not exist, or is in another folder.
@@ -93,7 +94,12 @@ def _found(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
 def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
     is_package = name.startswith(("package://", "model://"))
     elsewhere = other_kind = None
-    for candidate, own in chain(_candidates(name, model), _in_other_capitals(_candidates(name, model))):
+    names = [name]
+    if "://" in name and "%" in name:
+        # spaces in URIs
+        names.append(unquote(name))
+    candidates = [partial(_candidates, one, model) for one in names]
+    for candidate, own in chain(*(one() for one in candidates), *(_in_other_capitals(one()) for one in candidates)):
         if not exists(candidate):
             if other_kind is None and exists is os.path.isfile and os.path.exists(candidate):
                 other_kind = candidate

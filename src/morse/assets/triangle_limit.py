@@ -75,7 +75,7 @@ def check_stl(path: Path) -> None:
     with path.open("rb") as file:
         header = file.read(_STL_HEADER)
     if _is_text(header):
-        check_parts(path, path.read_bytes().count(b"endsolid"), "solids")
+        check_parts(path, path.read_bytes().lower().count(b"endsolid"), "solids")
     if len(header) < _STL_HEADER:
         if not _is_text(header):
             raise AssetError(path, f"it is cut off: a binary STL file has at least {_STL_HEADER} bytes, it has {size}")
@@ -91,4 +91,4 @@ def check_stl(path: Path) -> None:
 
 
 def _is_text(header: bytes) -> bool:
-    return header.lstrip().startswith(b"solid") and b"\0" not in header
+    return header.lstrip().lower().startswith(b"solid") and b"\0" not in header

@@ -44,6 +44,32 @@ def test_a_package_has_the_name_in_its_package_xml(package: Path) -> None:
     assert library.warnings == []
 
 
+@pytest.mark.parametrize("name", ["a%20box.stl", "a box.stl", "100%25.stl", "100%.stl"])
+def test_uris_may_have_encoded_letters(package: Path, name: str) -> None:
+    for own in ("a box.stl", "100%.stl"):
+        (package / "meshes" / own).write_bytes((package / "meshes" / "box.stl").read_bytes())
+    (package / "crane.urdf").write_text(ROBOT.replace("box.stl", name))
+    library = read_urdf(package / "crane.urdf")
+    assert meshes(library)
+    assert library.warnings == []
+
+
+def test_encoded_letters_lead_out_of_no_package(package: Path, tmp_path: Path) -> None:
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / "secret.stl")
+    (package / "crane.urdf").write_text(ROBOT.replace("meshes/box.stl", "%2e%2e/%2e%2e/secret.stl"))
+    assert not meshes(read_urdf(package / "crane.urdf"))
+
+
+def test_a_text_in_capitals_is_stl(package: Path) -> None:
+    box = package / "meshes" / "box.stl"
+    text = trimesh.load(box).export(file_type="stl_ascii")
+    box.write_bytes(text.upper().replace("\n", "\r\n").encode())
+    (package / "crane.urdf").write_text(ROBOT)
+    library = read_urdf(package / "crane.urdf")
+    assert meshes(library)
+    assert library.warnings == []
+
+
 @pytest.mark.parametrize("variable", ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"])
 def test_packages_elsewhere_are_listed_by_variables(tmp_path: Path, package: Path, monkeypatch, variable: str) -> None:
     (tmp_path / "robots" / "deep" / "in" / "folders").mkdir(parents=True)
