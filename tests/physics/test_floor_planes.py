@@ -213,6 +213,20 @@ def test_feet_that_are_below_a_thin_floor_are_put_on_it(tmp_path: Path, height: 
         assert (pose["x"], pose["y"], pose["roll"], pose["pitch"]) == pytest.approx((0.0,) * 4, abs=0.005)
 
 
+@pytest.mark.parametrize("height", [0.0, 0.1])
+def test_feet_below_a_thin_floor_that_something_higher_touches_are_put_on_it(tmp_path: Path, height: float) -> None:
+    """The thighs of straight legs touch the floor, so that the robot was raised by these alone, and stuck in it."""
+    thigh = '<collision><origin xyz="0 0 -0.1"/><geometry><box size="0.3 0.1 0.1"/></geometry></collision>'
+    (tmp_path / "feet.urdf").write_text(FOUR_FEET.replace('<link name="trunk">', f'<link name="trunk">{thigh}'))
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE.format(file=str(tmp_path / "feet.urdf"), height=height))
+    with morse.load(script) as sim:
+        sim.step(60)
+        pose = sim.robot.pose.get()
+        assert pose["z"] == pytest.approx(LEG, abs=0.005)
+        assert (pose["x"], pose["y"], pose["roll"], pose["pitch"]) == pytest.approx((0.0,) * 4, abs=0.005)
+
+
 def test_a_robot_that_stands_astride_something_stays(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     (tmp_path / "feet.urdf").write_text(FOUR_FEET)
     (tmp_path / "step.urdf").write_text(STEP)

@@ -18,8 +18,6 @@ from morse.physics.model.files import model_of
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
-    from collections.abc import Container
-
     from numpy.typing import NDArray
 
     from morse.physics.bodies import Bodies
@@ -194,7 +192,7 @@ def raise_sunken(state: EngineState, bodies: Bodies) -> bool:
     if state.model.opt.gravity[2] >= 0.0:
         return False
     sunken = _sunken(state)
-    below = _below_thin_ground(state, sunken)
+    below = _below_thin_ground(state)
     sunken |= {index: bottom for index, (bottom, _) in below.items()}
     if not sunken:
         return False
@@ -246,18 +244,17 @@ def _sunken(state: EngineState) -> dict[int, float]:
     return bottoms
 
 
-def _below_thin_ground(state: EngineState, others: Container[int]) -> dict[int, tuple[float, float]]:
-    """Return the robots of files that touch nothing, with their bottom below a fixed body and their origin above it.
+def _below_thin_ground(state: EngineState) -> dict[int, tuple[float, float]]:
+    """Return the robots of files with their bottom below a fixed body and their origin above it.
 
-    Args:
-        others: robots that are raised anyway.
+    They may touch nothing, or only with what is higher, such as the thighs of straight legs.
 
     Returns:
         The index of each robot to the heights of its bottom and of the ground below its origin, m.
     """
     robots: dict[int, tuple[float, float]] = {}
     for index, slot in enumerate(state.slots):
-        if index in others or slot.frame.motion is not Motion.FREE or not _is_of_file(slot.frame):
+        if slot.frame.motion is not Motion.FREE or not _is_of_file(slot.frame):
             continue
         lowest = lowest_of(state, slot.frame.node)
         x, y, z = (float(value) for value in state.positions[index])
