@@ -166,6 +166,12 @@ def command(
             show_default=False,
         ),
     ] = None,
+    edit_script: Annotated[
+        bool,
+        typer.Option(
+            "--edit-script", help="Let the page change and run the script: whoever has its address can run any code."
+        ),
+    ] = False,
     host: Annotated[
         str, typer.Option("--host", help="Address on which every server listens; 0.0.0.0 for all networks.")
     ] = "127.0.0.1",
@@ -258,6 +264,7 @@ def command(
         host=_host(host),
         view_token=_token(view_token),
         view_origins=_origins(view_origin or []),
+        edit_script=edit_script,
         open_browser=browser,
         speed=parse_speed(speed),
         duration=length.seconds,

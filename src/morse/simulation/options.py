@@ -22,6 +22,7 @@ class RunOptions:
         view_port: TCP port of the live view; if it is in use, the next free port is used.
         view_token: token that a page from another host has to send.
         view_origins: origins of other web pages that may embed and control the live view.
+        edit_script: whether the page that drives may replace the script, so that it can run any code.
         open_browser: whether to open the live view in a browser if there is a display.
         speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible; None for the value of the
             scene.
@@ -54,6 +55,7 @@ class RunOptions:
     view_port: int = 8765
     view_token: str | None = None
     view_origins: list[str] = field(default_factory=list)
+    edit_script: bool = False
     open_browser: bool = True
     speed: float | None = None
     duration: float | None = None

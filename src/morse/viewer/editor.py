@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 from dataclasses import replace
@@ -17,7 +18,7 @@ from morse.builder.editing.source import Source
 from morse.builder.editing.writing import lines_of_script, variable_name
 from morse.builder.names.part import Strength
 from morse.builder.names.project_files import source_folders
-from morse.builder.script import describing
+from morse.builder.script import compiled, describing
 from morse.core.clients.complaints import Complaints
 from morse.core.declarations import properties
 from morse.core.exceptions import MorseError
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
 logger = logging.getLogger("morse.viewer")
 
 Triple = tuple[float, float, float]
+
+_LOCKED = "To change it here, start with morse run --edit-script; or use an editor: F11 loads what it has saved."
 
 
 #: maximum number of changes of a scene, and of those that can be undone
@@ -105,6 +108,8 @@ class Editor:
         self.uploads = Uploads(simulation.scene, server, services, self._catalog)
         self._saved = self._state()
         self._is_restarting = False
+        #: the script that a page has written since the scene was loaded
+        self._written: str | None = None
         self._last_message: SceneChanges | None = None
         self._complaints = Complaints(logger)
 
@@ -501,12 +506,43 @@ class Editor:
         self._attempt(event.request, self._script)
 
     def _script(self) -> dict[str, object]:
-        text = self._changed()
+        text = self._shown()
+        try:
+            lines = lines_of_script(text)
+        except UnwritableError:  # what a page has written has a mistake
+            lines = {}
         return {
             "file": "" if self._file.path is None else self._file.path.name,
             "text": text,
-            "lines": lines_of_script(text),
+            "lines": lines,
+            "locked": "" if self._simulation.options.edit_script else _LOCKED,
+            "version": _version(text),
         }
+
+    def _shown(self) -> str:
+        """The script that a save would write, or that a page has written and that does not run yet."""
+        return self._changed() if self._written is None else self._written
+
+    def change_script(self, event: page.ChangeScript) -> None:
+        """Write another text in place of the script, or show what would be written."""
+        self._attempt(event.request, lambda: self._change_script(event.text, event.version, write=event.write))
+
+    def _change_script(self, text: str, version: str, *, write: bool) -> dict[str, object]:
+        if not self._simulation.options.edit_script:
+            raise MorseError(_LOCKED)
+        if version != _version(self._shown()):
+            raise MorseError("the scene was changed meanwhile: copy your lines, discard them, and insert them again")
+        assert self._file.path is not None
+        line, error = _mistake(text, self._file.path.name)
+        kinds = [addition.kind for addition in self._additions.values()]
+        if write and not error:
+            self.uploads.save(kinds, self._file.path)
+            self._file.save(text)
+            self._written = text
+        folders = [str(saved_place(folder, self._file.path)) for folder in self.uploads.folders(kinds)]
+        runs = os.path.abspath(self._simulation.options.script) == str(self._file.path)
+        shown = {"path": str(self._file.path), "difference": self._file.difference(text), "folders": folders}
+        return {**shown, "line": line, "error": error, "runs": runs}
 
     def _changed(self) -> str:
         """The script with all changes.
@@ -514,6 +550,10 @@ class Editor:
         Raises:
             UnwritableError: a change cannot be written.
         """
+        if self._written is not None:
+            raise UnwritableError(
+                f"{self._file.path} was changed in the page and does not run yet: mend its mistakes, reload it (F11)"
+            )
         additions = [
             replace(one, calls=tuple(_lines(self._calls.get(name, {})))) for name, one in self._additions.items()
         ]
@@ -602,6 +642,21 @@ class Editor:
         """End the drawing of pictures, and delete the files that pages have sent."""
         self._catalog.close()
         self.uploads.close()
+
+
+def _version(text: str) -> str:
+    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:16]
+
+
+def _mistake(text: str, name: str) -> tuple[int, str]:
+    """The line of a text that is no Python, and why; 0 and nothing if it is."""
+    try:
+        compiled(text, name)
+    except SyntaxError as error:
+        return error.lineno or 1, error.msg
+    except (ValueError, RecursionError, MemoryError, OverflowError) as error:  # zeros, deep nesting, long numbers
+        return 1, str(error) or "it is nested too deeply"
+    return 0, ""
 
 
 def _is_of(name: str, whole: str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import secrets
 import time
 import webbrowser
 from pathlib import Path, PurePath
@@ -179,11 +180,13 @@ class View(Observer):
         self._simulation = simulation
         options = simulation.options
         context = simulation.context
+        # other users of this machine reach the port, too: they may not run code as this one
+        secret = secrets.token_urlsafe(16) if options.edit_script else None
         self._server = server = ViewServer(
             context.network,
             host=options.host,
             port=options.view_port,
-            token=options.view_token or proxy_token(),
+            token=options.view_token or proxy_token() or secret,
             title=title_of(options.script, simulation.scene.environment),
             origins=options.view_origins,
         )
@@ -256,6 +259,7 @@ class View(Observer):
             page.RedoChange: self._editor.redo,
             page.SaveScene: self._editor.save,
             page.ShowScript: self._editor.show_script,
+            page.ChangeScript: self._editor.change_script,
             PageLeft: self._services.forget,
         }
 

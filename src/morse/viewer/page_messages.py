@@ -334,9 +334,29 @@ class Configure(ViewEvent, frozen=True):
 
 
 class ShowScript(ViewEvent, frozen=True):
-    """Send the script as it would be saved; the answer has ``file``, ``text``, and the ``lines`` of each object."""
+    """Send the script as it would be saved.
+
+    The answer has ``file``, ``text``, the ``lines`` of each object, why it is ``locked`` for `ChangeScript` (empty if
+    it is not), and its ``version``.
+    """
 
     request: Request
+
+
+class ChangeScript(ViewEvent, frozen=True):
+    """Write a text in place of the script, or only show the lines that would change.
+
+    The answer has ``path``, ``difference`` and ``folders`` as that of `SaveScene`; whether the script ``runs``, so that
+    a restart loads it; and the ``error`` and its ``line`` if it is no Python: then nothing is written.
+
+    Attributes:
+        version: of the text that was changed: what has changed meanwhile is not overwritten.
+    """
+
+    request: Request
+    text: Annotated[str, Meta(max_length=250_000)]
+    version: Name
+    write: bool
 
 
 class SaveScene(ViewEvent, frozen=True):

@@ -50,7 +50,7 @@ export class Editor {
       put: (model, place) => void this.put(model, place),
       cancel: () => this.release(),
     }, this.uploader.element);
-    this.script = new ScriptPanel(connection, components);
+    this.script = new ScriptPanel(connection, components, toasts, drives);
     const scriptButton = iconButton(icons.code, "Script", () => this.showScript());
     this.addButton = h("button", { type: "button", class: "add", "aria-pressed": "false", onclick: () => this.toggle() });
     this.addButton.innerHTML = icons.plus;

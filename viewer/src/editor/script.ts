@@ -1,31 +1,67 @@
 import type { Connection } from "../connection/connection";
-import type { SceneChanges } from "../generated/protocol";
 import type { Components } from "../model/components";
-import { h, reveal } from "../ui/dom";
+import type { Toasts } from "../panels/toasts";
+import { disable, h } from "../ui/dom";
+import type { Signal } from "../ui/signal";
+import type { CodeEditor } from "./codeeditor";
+import { confirmSave } from "./savedialog";
 
 interface Script {
   file: string;
   text: string;
   /** numbers of lines, from 1, by the name of the object that they describe */
   lines: Record<string, number[]>;
+  /** why it cannot be changed here; empty if it can */
+  locked: string;
+  /** identifies the text */
+  version: string;
 }
 
-const TOKENS = /(#.*)|("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|\b(from|import|for|in|def|return|if|else|elif|while|with|as|class|None|True|False|not|and|or|lambda)\b|\b(\d+(?:\.\d*)?)\b/g;
+/** A changed script: what a save would do. */
+interface Change {
+  path: string;
+  difference: string;
+  folders: string[];
+  /** of a text that is no Python; 0 if it is */
+  line: number;
+  error: string;
+  /** whether this is the script that runs */
+  runs: boolean;
+}
 
-/** The script of the scene as it would be saved; the lines of what is selected are marked, and a click on a line selects. */
+/** The longest text that fits in a message, bytes. */
+const LONGEST = 250_000;
+
+/** The script of the scene: the lines of what is selected are marked, a click on a line selects, and it runs when it is saved. */
 export class ScriptPanel {
   readonly element: HTMLElement;
-  private readonly code = h("ol", { class: "code", "aria-label": "lines of the script" });
   private readonly title = h("h2", {});
+  private readonly why = h("p", { class: "quiet", hidden: true });
+  private readonly error = h("p", { class: "error", role: "alert", hidden: true });
+  private readonly place = h("div", { class: "code" });
+  private readonly saveButton = h("button", { type: "button", class: "primary", hidden: true, onclick: () => void this.save() }, "save and run…");
+  private readonly backButton = h("button", { type: "button", hidden: true, onclick: () => void this.discard() }, "discard");
+  private editor: Promise<CodeEditor> | null = null;
   private script: Script | null = null;
+  /** whether it has changes of the user */
+  private edited = false;
 
   constructor(
     private readonly connection: Connection,
     private readonly components: Components,
+    private readonly toasts: Toasts,
+    private readonly drives: Signal<boolean>,
   ) {
-    this.element = h("section", { class: "panel script", "aria-label": "script", hidden: true }, this.title, this.code);
-    connection.on("scene_changes", (changes: SceneChanges) => void this.refresh(changes));
-    components.selected.watch(() => this.mark());
+    const head = h("div", { class: "tools" }, this.title, this.saveButton, this.backButton);
+    this.element = h("section", { class: "panel script", "aria-label": "script", hidden: true }, head, this.why, this.error, this.place);
+    connection.on("scene_changes", () => void this.refresh());
+    connection.on("saved_files", ({ mistakes }) => {
+      const own = mistakes.find(({ file }) => file === this.script?.file);
+      this.fail(own ? own.line : 0, own ? own.text : "");
+    });
+    components.selected.watch(() => void this.mark());
+    drives.watch(() => void this.refresh());
+    addEventListener("beforeunload", (event) => this.edited && event.preventDefault());
   }
 
   async toggle(): Promise<void> {
@@ -33,37 +69,87 @@ export class ScriptPanel {
     await this.refresh();
   }
 
-  private async refresh(_?: SceneChanges): Promise<void> {
+  private open(): Promise<CodeEditor> {
+    this.editor ??= import("./codeeditor").then(
+      ({ CodeEditor: Made }) => new Made(this.place, { onChange: () => this.change(true), onLine: (line) => this.choose(line), onSave: () => void this.save() }),
+    );
+    return this.editor;
+  }
+
+  private async refresh(): Promise<void> {
     if (this.element.hidden) return;
-    const answer = await this.connection.request({ type: "show_script" });
+    const [editor, answer] = await Promise.all([this.open(), this.connection.request({ type: "show_script" })]);
+    if (this.edited) {
+      // what the user writes stays; the simulator says at the save if both differ
+      this.enable(editor);
+      return;
+    }
     this.script = answer.ok ? (answer.value as Script) : null;
-    this.title.textContent = this.script?.file ?? answer.error;
-    const lines = this.script?.text.replace(/\n$/, "").split("\n") ?? [];
-    this.code.replaceChildren(...lines.map((line, i) => h("li", { onclick: () => this.choose(i + 1) }, ...colored(line))));
-    this.mark();
+    this.title.textContent = this.script?.file ?? "";
+    editor.load(this.script?.text ?? "");
+    this.enable(editor);
+    if (!answer.ok) this.fail(0, answer.error);
+    await this.mark();
+  }
+
+  private enable(editor: CodeEditor): void {
+    const locked = !this.drives.value ? "Only the page that drives can change the script." : (this.script?.locked ?? "");
+    editor.lock(locked !== "");
+    this.why.hidden = locked === "";
+    this.why.textContent = locked;
+    disable(this.saveButton, !this.drives.value);
+  }
+
+  private change(edited: boolean): void {
+    this.edited = edited;
+    this.saveButton.hidden = this.backButton.hidden = !edited;
+  }
+
+  private async discard(): Promise<void> {
+    this.change(false);
+    this.fail(0, "");
+    await this.refresh();
   }
 
   private choose(line: number): void {
+    if (this.edited) return; // the lines are those of the text before
     const names = Object.entries(this.script?.lines ?? {}).filter(([, lines]) => lines.includes(line));
-    if (names[0]) this.components.selected.set(names[0][0]);
+    // a component and not its robot, whose lines may contain it
+    const found = names.sort(([a], [b]) => b.split(".").length - a.split(".").length)[0];
+    if (found) this.components.selected.set(found[0]);
   }
 
-  private mark(): void {
-    const lines = this.script?.lines[this.components.selected.value ?? ""] ?? [];
-    [...this.code.children].forEach((item, i) => item.classList.toggle("marked", lines.includes(i + 1)));
-    const first = this.code.children[(lines[0] ?? 0) - 1];
-    if (first instanceof HTMLElement) reveal(first);
+  private async mark(): Promise<void> {
+    if (this.element.hidden) return;
+    (await this.open()).mark({ selected: this.edited ? [] : (this.script?.lines[this.components.selected.value ?? ""] ?? []) });
   }
-}
 
-/** A line of Python with comments, texts, keywords and numbers in colours. */
-function colored(line: string): (string | HTMLElement)[] {
-  const parts: (string | HTMLElement)[] = [];
-  let at = 0;
-  for (const match of line.matchAll(TOKENS)) {
-    const kind = ["comment", "text", "keyword", "number"].find((_, i) => match[i + 1] !== undefined) as string;
-    parts.push(line.slice(at, match.index), h("span", { class: kind }, match[0]));
-    at = match.index + match[0].length;
+  /** Show an error at its line, or none. */
+  private fail(line: number, text: string): void {
+    this.error.hidden = text === "";
+    this.error.textContent = line > 0 ? `line ${line}: ${text}` : text;
+    if (this.editor) void this.editor.then((editor) => editor.mark({ error: text === "" ? null : { line, text } }));
   }
-  return [...parts, line.slice(at) || (at === 0 ? " " : "")];
+
+  private async save(): Promise<void> {
+    if (!this.edited || !this.script) return;
+    const { version } = this.script;
+    const text = (await this.open()).text;
+    if (new Blob([JSON.stringify(text)]).size > LONGEST) return this.toasts.show("The script is too long to be changed here: use another editor.", "error");
+    const shown = await this.connection.request({ type: "change_script", text, version, write: false });
+    if (!shown.ok) return this.toasts.show(shown.error, "error");
+    const { path, difference, folders, line, error } = shown.value as Change;
+    this.fail(line, error);
+    if (error === "") confirmSave(path, difference, folders, () => void this.write(text, version));
+  }
+
+  private async write(text: string, version: string): Promise<void> {
+    const answer = await this.connection.request({ type: "change_script", text, version, write: true });
+    if (!answer.ok) return this.toasts.show(answer.error, "error");
+    const { path, runs } = answer.value as Change;
+    this.change(false);
+    if (runs) this.connection.send({ type: "reset" });
+    else this.toasts.show(`Saved in ${path}: run it with "morse run ${path}".`);
+    await this.refresh();
+  }
 }

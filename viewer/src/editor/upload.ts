@@ -37,7 +37,7 @@ export class Uploader {
   ) {
     const files = this.chooser("a model…", "Add a model of your own: URDF, SDF, MJCF, glTF, .blend or meshes, with the files that it needs", false);
     const folder = this.chooser("a folder…", "Add a model of your own with its folder", true);
-    this.element = h("div", { class: "tools upload" }, files, folder);
+    this.element = h("div", { class: "tools upload" }, h("span", { class: "quiet" }, "your own:"), files, folder);
     document.body.append(this.veil);
     let depth = 0;
     const isFiles = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
