@@ -106,5 +106,7 @@ def check(attempt: Attempt) -> None:
     attempt.expect(
         not missing and off / steps < _NEAR,
         "It stays near the line, 0.25 m in the mean.",
-        f"{off / steps:.2f} m in the mean: look farther ahead, or turn more for the same error." if not missing else "",
+        f"{off / steps:.2f} m in the mean: look farther ahead, or turn more for the same error."
+        if not missing
+        else "This is measured when it has come around.",
     )
