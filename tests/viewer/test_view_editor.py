@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from editor_desk import MODELS, SCENE, Desk
 from view_pages import Client, fetch
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import morse
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
+from morse.scene.extent import visible_extent
 from morse.viewer.catalog import Catalog
 from tests.kit.waiting import wait_until
 
@@ -82,6 +83,104 @@ for number in range(3):
 
 env = Environment("empty")
 """
+
+
+def test_changes_of_one_group_are_undone_and_made_again_together(desk: Desk) -> None:
+    crate = "props/crates#small_crate"
+    for x in (3, 5):
+        desk.do("add_model", model=crate, position=[x, 1, 0])
+    for node in ("small_crate", "small_crate_2"):
+        desk.do("teleport", node=node, position=[7, 7, 1], quaternion=[1, 0, 0, 0], group=5)
+    assert {desk.do("duplicate_object", node=node, group=6) for node in ("small_crate", "small_crate_2")} == {
+        "small_crate_3",
+        "small_crate_4",
+    }
+    for node in ("small_crate", "small_crate_2"):
+        desk.do("delete_object", node=node, group=7)
+    assert {"small_crate", "small_crate_2"}.isdisjoint(desk.names())
+    desk.do("undo_change")
+    assert {"small_crate", "small_crate_2", "small_crate_3", "small_crate_4"} <= desk.names()
+    desk.do("undo_change")
+    assert {"small_crate_3", "small_crate_4"}.isdisjoint(desk.names())
+    assert "1 more" in desk.do("undo_change")
+    positions = [desk.simulation.world.objects_by_name[name].position[0] for name in ("small_crate", "small_crate_2")]
+    assert positions == pytest.approx([3, 5], abs=0.01)
+    for _ in range(3):
+        desk.do("redo_change")
+    assert {"small_crate", "small_crate_2"}.isdisjoint(desk.names())
+    # without a group, each is undone alone
+    for node in ("small_crate_3", "small_crate_4"):
+        desk.do("delete_object", node=node)
+    desk.do("undo_change")
+    assert "small_crate_3" not in desk.names()
+    assert "small_crate_4" in desk.names()
+
+
+def test_an_object_that_was_added_is_scaled_saved_and_loaded_again(desk: Desk, tmp_path: Path) -> None:
+    desk.do("add_model", model="Cube", position=[3, 1, 0])
+
+    def height() -> float:
+        corners = desk.simulation.world.objects_by_name["cube"].node.scale
+        return float(corners[2])
+
+    desk.do("scale_object", node="cube", factors=[1, 1, 2])
+    desk.do("scale_object", node="cube", factors=[1, 1, 1.5])
+    assert height() == pytest.approx(3.0)
+    desk.do("undo_change")
+    assert height() == pytest.approx(2.0)
+    desk.do("redo_change")
+    desk.do("save_scene", write=True)
+    assert "cube.scale = (1.0, 1.0, 3.0)" in (tmp_path / "scene.py").read_text()
+    with morse.load(tmp_path / "scene.py") as again:
+        cube = again.scene.find("cube")
+        assert cube is not None
+        assert cube.scale == pytest.approx([1, 1, 3])
+    desk.simulation.start_anew()
+    desk.simulation.step(2)
+    assert height() == pytest.approx(3.0)
+
+
+def test_the_new_shape_of_what_is_scaled_collides(desk: Desk) -> None:
+    desk.do("add_model", model="props/crates#small_crate", position=[3, 1, 0])
+    desk.do("scale_object", node="small_crate", factors=[2, 2, 4])
+    desk.do("add_model", model="props/crates#small_crate", position=[3, 1, 4])
+    desk.simulation.step(240)
+    upper = desk.simulation.world.objects_by_name["small_crate_2"]
+    corners = visible_extent(upper.node)
+    assert corners is not None
+    height = float(corners[1][2] - corners[0][2])
+    assert upper.position[2] == pytest.approx(4 * height, abs=0.1)
+
+
+@pytest.mark.parametrize("factors", [[1, 1, 1000], [1e-4, 1, 1], [1e6, 1e6, 1e6]])
+def test_a_size_out_of_bounds_changes_nothing(desk: Desk, factors: list[float]) -> None:
+    desk.do("add_model", model="Cube", position=[3, 1, 0])
+    assert not desk.ask("scale_object", node="cube", factors=factors)["ok"]
+    cube = desk.simulation.scene.find("cube")
+    assert cube is not None
+    assert cube.scale == pytest.approx([1, 1, 1])
+
+
+@pytest.mark.parametrize("factors", [[0, 1, 1], [1, -1, 1], [1, 1], [1e308, 1, 1], ["2", 1, 1], None])
+def test_what_is_no_size_closes_the_connection(desk: Desk, factors: object) -> None:
+    with pytest.raises(ConnectionClosed, match="Not understood"):
+        desk.ask("scale_object", node="robot", factors=factors)
+
+
+def test_what_was_not_added_here_is_not_scaled(desk: Desk) -> None:
+    for node in ("robot", "nobody"):
+        assert not desk.ask("scale_object", node=node, factors=[2, 2, 2])["ok"]
+    desk.do("add_model", model="Morsy", position=[3, 1, 0])
+    assert "size of the real one" in desk.ask("scale_object", node="morsy", factors=[2, 2, 2])["error"]
+    assert "morsy" in desk.names()
+
+
+def test_a_property_of_a_robot_that_was_added_outlives_a_restart(desk: Desk) -> None:
+    desk.do("add_model", model="Morsy", position=[3, 1, 0])
+    desk.do("set_property", component="morsy", name="NoGravity", value=True)
+    desk.simulation.start_anew()
+    desk.simulation.step(2)
+    assert desk.simulation.context.robots["morsy"]._no_gravity is True
 
 
 def test_nothing_is_left_to_save_after_a_save_until_something_changes(desk: Desk) -> None:

@@ -63,8 +63,8 @@ export class App {
       this.follow.release();
       this.memory.take();
     };
-    this.navigation.onClick = (x, y) => {
-      if (!this.panels.ruler.click(x, y)) this.select(x, y);
+    this.navigation.onClick = (x, y, more) => {
+      if (!this.panels.ruler.click(x, y)) this.select(x, y, more);
     };
     this.keyboard.drives = () => this.seat.drives.value;
     this.keyboard.onArrow = () => {
@@ -119,14 +119,15 @@ export class App {
     this.toasts.show(text);
   }
 
-  private select(x: number, y: number): void {
+  private select(x: number, y: number, more: boolean): void {
     const hit = pick(this.stage, x, y);
     if (hit && this.stage.world && isGround(hit, this.stage.world)) {
-      this.components.selected.set(null);
+      this.components.choose(null, more);
       return;
     }
     const owner = hit?.node.find(({ description }) => description.kind !== "");
-    this.components.selected.set(owner?.name ?? hit?.node.name ?? null);
+    // of an object the whole, which is what the tree lists and what is moved
+    this.components.choose((owner ?? hit?.node.find(({ parent }) => parent === null))?.name ?? null, more);
   }
 
   private change(message: Appearance): void {

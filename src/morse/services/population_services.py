@@ -77,7 +77,7 @@ class PopulationServices(AbstractObject):
                 e.g. ``props/crates#small_crate``; a robot of a file, e.g. ``Robot('arm/arm.urdf')``; or the text of a
                 robot in URDF, SDF or MJCF: it has the sensors and the drive of the text. For a component, a class of
                 scene scripts, e.g. ``VideoCamera``, which lines with calls may follow: ``frequency(10)``,
-                ``alter('Noise')``.
+                ``alter('Noise')``. For an object, the line ``scale(2.0, 2.0, 1.0)`` may follow.
             position: x, y, z in the world, m; for a component, in the frame of the robot; the origin if not given.
             orientation: roll, pitch, yaw, rad.
         """

@@ -17,7 +17,7 @@ from morse.builder.assembly.spawning import (
     component_of,
     describe_component,
     describe_newcomer,
-    maker_of,
+    object_maker,
     split_kind,
 )
 from morse.builder.names import catalog
@@ -247,7 +247,7 @@ class Population:
                     make = self._component_maker(name, own) if isinstance(kind, str) else kind
                     newcomer = describe_component(name, make, calls, position, rotation, scene.nodes(), interfaces)
                 else:
-                    make = maker_of(kind) if isinstance(kind, str) else kind
+                    make = object_maker(kind) if isinstance(kind, str) else kind
                     newcomer = describe_newcomer(
                         name, make, position, rotation, scene.nodes(), interfaces, most_components
                     )

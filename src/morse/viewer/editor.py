@@ -47,6 +47,7 @@ logger = logging.getLogger("morse.viewer")
 
 Triple = tuple[float, float, float]
 
+_UNSCALED: Triple = (1.0, 1.0, 1.0)
 _LOCKED = "To change it here, start with morse run --edit-script; or use an editor: F11 loads what it has saved."
 
 
@@ -82,6 +83,8 @@ class _Change(NamedTuple):
     what: str
     undo: Callable[[], object]
     redo: Callable[[], object]
+    #: those with the same number, other than 0, one after another are undone together
+    group: int
 
 
 class Editor:
@@ -99,6 +102,7 @@ class Editor:
         self._moves: dict[str, Move] = {}
         self._deletions: dict[str, list[str]] = {}
         self._calls: dict[str, Calls] = {}
+        self._group = 0
         self._undos: list[_Change] = []
         self._redos: list[_Change] = []
         options = simulation.options
@@ -125,11 +129,15 @@ class Editor:
 
     def delete(self, event: page.DeleteObject) -> None:
         """Delete a robot, an object or a component."""
-        self._attempt(event.request, lambda: self._delete(event.node))
+        self._attempt(event.request, lambda: self._delete(event.node), event.group)
 
     def duplicate(self, event: page.DuplicateObject) -> None:
         """Add a robot or an object once more, beside the first one."""
-        self._attempt(event.request, lambda: self._duplicate(event.node))
+        self._attempt(event.request, lambda: self._duplicate(event.node), event.group)
+
+    def scale(self, event: page.ScaleObject) -> None:
+        """Give an object that was added another size."""
+        self._attempt(event.request, lambda: self._scale(event.node, event.factors), event.group)
 
     def undo(self, event: page.UndoChange) -> None:
         """Undo the last change."""
@@ -143,12 +151,20 @@ class Editor:
         if not source:
             self._server.send(Answer(request, False, error=f"there is no change to {what}"))
             return
-        change = source.pop()
+        changes = [source.pop()]
+        while changes[0].group and source and source[-1].group == changes[0].group:
+            changes.append(source.pop())
 
         def make() -> str:
-            (change.undo if source is self._undos else change.redo)()
-            target.append(change)
-            return change.what
+            for number, change in enumerate(changes):
+                try:
+                    (change.undo if source is self._undos else change.redo)()
+                except BaseException:
+                    source.extend(reversed(changes[number + 1 :]))
+                    raise
+                target.append(change)
+            more = f", and {len(changes) - 1} more changes" if len(changes) > 1 else ""
+            return changes[0].what + more
 
         self._attempt(request, make)
 
@@ -156,8 +172,9 @@ class Editor:
         """Write the script, or only show what would be written."""
         self._attempt(event.request, lambda: self._save(write=event.write))
 
-    def _attempt(self, request: int, action: Callable[[], object]) -> None:
+    def _attempt(self, request: int, action: Callable[[], object], group: int = 0) -> None:
         values: list[object] = []
+        self._group = group
         if self._services.attempt(request, lambda: values.append(action())):
             self._server.send(Answer(request, True, values[0]))
 
@@ -263,9 +280,31 @@ class Editor:
         # a lamp, or a camera of the world, looks down
         return position, angles, -_OVERHEAD if corners is None else float(corners[0][2]) - position[2], is_named
 
+    def _scale(self, name: str, factors: Triple) -> str:
+        name = self._root(name).name
+        old = self._additions.get(name)
+        if old is None or old.robot:
+            raise MorseError(f"'{name}' was not added in this page as an object: write {name}.scale into the script")
+        x, y, z = (round(now * factor, 4) for now, factor in zip(old.scale, factors, strict=True))
+        new = replace(old, scale=(x, y, z))
+
+        def exchange(before: Addition, after: Addition) -> None:
+            present = self._additions[name]
+            self._services.run("simulation", "delete", name)
+            try:
+                self._spawn(replace(present, scale=after.scale))
+            except Exception:
+                self._spawn(replace(present, scale=before.scale))
+                raise
+
+        exchange(old, new)
+        self._undo_by(f"{name} was scaled", lambda: exchange(new, old), lambda: exchange(old, new))
+        return name
+
     def _spawn(self, addition: Addition) -> None:
         name = addition.scene_name
-        self._appear(name, addition.kind, (addition.position, addition.angles), self._calls.get(name, {}))
+        size = "" if addition.scale == _UNSCALED else f"\nscale({', '.join(map(repr, addition.scale))})"
+        self._appear(name, addition.kind + size, (addition.position, addition.angles), self._calls.get(name, {}))
         self._additions[name] = addition
 
     def _appear(self, name: str, kind: str, pose: tuple[Triple, Triple], calls: Calls) -> None:
@@ -320,7 +359,7 @@ class Editor:
         return name
 
     def _undo_by(self, what: str, undo: Callable[[], object], redo: Callable[[], object]) -> None:
-        self._undos.append(_Change(what, undo, redo))
+        self._undos.append(_Change(what, undo, redo, self._group))
         del self._undos[:-_MOST_CHANGES]
         self._redos.clear()
 
@@ -369,6 +408,7 @@ class Editor:
 
     def set_property(self, event: page.SetProperty) -> None:
         """A page has set a property of a component: the script gets it as well."""
+        self._group = 0
         component = self._simulation.context.component(event.component)
         declared = {one.name: python_name for python_name, one in properties(type(component)).items()}
         before = getattr(component, declared[event.name]) if event.name in declared else None
@@ -464,6 +504,7 @@ class Editor:
         near = node.rotation_euler if old is None else old.angles
         angles = _rounded(compatible_euler(rotation_from_quaternion(*event.quaternion), "XYZ", list(near)))
         if event.first:
+            self._group = event.group
             self._undo_of_move(name, addition, move)
         if addition is not None:
             self._additions[name] = replace(addition, position=position, angles=angles)

@@ -252,6 +252,7 @@ class View(Observer):
             page.UploadPart: self._editor.uploads.take,
             page.ExamineUpload: self._editor.uploads.examine,
             page.DeleteObject: self._editor.delete,
+            page.ScaleObject: self._editor.scale,
             page.DuplicateObject: self._editor.duplicate,
             page.ListSettings: self._editor.list_settings,
             page.Configure: self._editor.configure,

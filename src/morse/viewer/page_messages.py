@@ -13,6 +13,7 @@ Name = Annotated[str, Meta(max_length=512)]
 Request = Annotated[int, Meta(ge=0, le=2**53)]
 Coordinate = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
+Factor = Annotated[float, Meta(gt=0.0, le=1e6)]
 Turn = tuple[Coordinate, Coordinate, Coordinate, Coordinate]
 
 
@@ -192,6 +193,7 @@ class Teleport(ViewEvent, frozen=True):
 
     Attributes:
         first: whether it begins a movement; all messages of a movement are undone together.
+        group: changes with the same number, other than 0, one after another are undone together.
     """
 
     request: Request
@@ -199,6 +201,7 @@ class Teleport(ViewEvent, frozen=True):
     position: Point
     quaternion: Turn
     first: bool = True
+    group: Request = 0
 
 
 class Drag(ViewEvent, frozen=True):
@@ -286,10 +289,20 @@ class ExamineUpload(ViewEvent, frozen=True):
 
 
 class DeleteObject(ViewEvent, frozen=True):
-    """Delete a robot, an object or a component; the answer is its name."""
+    """Delete a robot, an object or a component; the answer is its name. For ``group`` see `Teleport`."""
 
     request: Request
     node: Name
+    group: Request = 0
+
+
+class ScaleObject(ViewEvent, frozen=True):
+    """Multiply the size of an object that a page has added, along its axes; the answer is its name."""
+
+    request: Request
+    node: Name
+    factors: tuple[Factor, Factor, Factor]
+    group: Request = 0
 
 
 class UndoChange(ViewEvent, frozen=True):
@@ -309,6 +322,7 @@ class DuplicateObject(ViewEvent, frozen=True):
 
     request: Request
     node: Name
+    group: Request = 0
 
 
 class ListSettings(ViewEvent, frozen=True):

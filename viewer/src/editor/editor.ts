@@ -1,12 +1,13 @@
 import type { Vector3 } from "three";
 import type { Connection } from "../connection/connection";
-import type { Model, SceneChanges } from "../generated/protocol";
+import type { Answer, Model, SceneChanges } from "../generated/protocol";
 import type { Components } from "../model/components";
 import type { Toasts } from "../panels/toasts";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Shell } from "../ui/shell";
 import type { Signal } from "../ui/signal";
+import { newGroup } from "../view/mover";
 import type { Hit } from "../view/pick";
 import type { Stage } from "../view/stage";
 import type { WorldNode } from "../world/node";
@@ -139,7 +140,7 @@ export class Editor {
     if (!answer.ok) this.toasts.show(answer.error, "error");
     else {
       const name = String(answer.value);
-      this.select(name);
+      this.select([name]);
       if (robot) this.toasts.show(`${name} is on ${robot}.`);
     }
     if (this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
@@ -156,11 +157,12 @@ export class Editor {
     this.marker.hide();
   }
 
-  /** Select an object as soon as it is in the world. */
-  private select(name: string): void {
+  /** Select objects as soon as they are in the world. */
+  private select(names: string[]): void {
+    if (names.length === 0) return;
     const stop = this.world.watch((world) => {
-      if (!world?.find(name)) return;
-      this.components.selected.set(name);
+      if (!names.every((name) => world?.find(name))) return;
+      names.forEach((name, i) => this.components.choose(name, i > 0));
       queueMicrotask(() => stop());
     });
   }
@@ -177,18 +179,35 @@ export class Editor {
     return node ? { robot: node.name, position: node.frame.worldToLocal(point.clone()) } : null;
   }
 
-  async delete(name: string | null): Promise<void> {
-    if (name === null) return;
-    const answer = await this.connection.request({ type: "delete_object", node: name });
-    if (!answer.ok) this.toasts.show(answer.error, "error");
-    else if (this.components.selected.value === name) this.components.selected.set(null);
+  /** Delete objects together: one undo brings all of them back. */
+  async delete(names: string[]): Promise<void> {
+    const group = newGroup();
+    // a component goes with its robot
+    const wholes = names.filter((name) => !names.some((other) => name.startsWith(`${other}.`)));
+    const answers = await Promise.all(wholes.map((node) => this.connection.request({ type: "delete_object", node, group })));
+    this.complain(answers);
+    const gone = wholes.filter((_, i) => answers[i]?.ok);
+    if (gone.includes(this.components.selected.value ?? "")) this.components.selected.set(null);
+    else this.components.also.set(this.components.also.value.filter((name) => !gone.includes(name)));
   }
 
-  async duplicate(name: string | null): Promise<void> {
-    if (name === null || this.element.hidden) return;
-    const answer = await this.connection.request({ type: "duplicate_object", node: name });
-    if (answer.ok) this.select(String(answer.value));
-    else this.toasts.show(answer.error, "error");
+  async duplicate(names: string[]): Promise<void> {
+    if (names.length === 0 || this.element.hidden) return;
+    const group = newGroup();
+    const answers = await Promise.all(names.map((node) => this.connection.request({ type: "duplicate_object", node, group })));
+    this.complain(answers);
+    this.select(answers.filter(({ ok }) => ok).map(({ value }) => String(value)));
+  }
+
+  /** Multiply sizes; returns whether that was possible. */
+  async scale(names: string[], factors: [number, number, number], group: number): Promise<boolean> {
+    const answers = await Promise.all(names.map((node) => this.connection.request({ type: "scale_object", node, factors, group })));
+    this.complain(answers);
+    return answers.every(({ ok }) => ok);
+  }
+
+  private complain(answers: Answer[]): void {
+    for (const error of new Set(answers.filter(({ ok }) => !ok).map((answer) => answer.error))) this.toasts.show(error, "error");
   }
 
   async redo(): Promise<void> {

@@ -21,12 +21,15 @@ export class Components {
   readonly all = new Signal<ComponentDescription[]>([]);
   /** name of a component or of an object of the world */
   readonly selected = new Signal<string | null>(null);
+  /** what is selected beside it, and moved, duplicated and deleted together with it */
+  readonly also = new Signal<string[]>([]);
   readonly complaints = new Map<string, Complaint>();
   private readonly live = new Map<string, Live>();
   private readonly listeners = new Set<(name: string, live: Live) => void>();
   private readonly changed = new Set<(component: ComponentDescription) => void>();
 
   constructor(connection: Connection) {
+    this.selected.watch(() => this.also.set([]));
     // the log is sent after this, if there is one
     connection.on("welcome", () => this.complaints.clear());
     connection.on("tree", ({ components }) => {
@@ -50,6 +53,21 @@ export class Components {
 
   find(name: string | null): ComponentDescription | null {
     return this.all.value.find((component) => component.name === name) ?? null;
+  }
+
+  /** All that is selected; the last one is that whose details are shown. */
+  get chosen(): string[] {
+    return this.selected.value === null ? [] : [...this.also.value, this.selected.value];
+  }
+
+  /** Select something alone, or add it to what is selected, or take it from there. */
+  choose(name: string | null, more: boolean): void {
+    const before = this.chosen;
+    const now = !more ? [] : before.filter((one) => one !== name);
+    if (name !== null && !(more && before.includes(name))) now.push(name);
+    if (more && name === null) return;
+    this.selected.set(now.at(-1) ?? null);
+    this.also.set(now.slice(0, -1));
   }
 
   /** The robot that a component belongs to. */

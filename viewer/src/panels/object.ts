@@ -6,6 +6,7 @@ import { disable, h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
 import type { Follow } from "../view/follow";
+import type { Movement } from "../view/mover";
 import type { Stage } from "../view/stage";
 import type { WorldNode } from "../world/node";
 import type { World } from "../world/world";
@@ -104,13 +105,14 @@ export class ObjectPanel {
   }
 
   /** Set the pose of a node, as a client would; the first pose of a movement begins a new change of the scene. */
-  async teleport(node: WorldNode, position: Vector3, turn: Quaternion, first = true): Promise<void> {
+  async teleport({ node, position, quaternion: turn, first, group }: Movement): Promise<void> {
     const answer = await this.connection.request({
       type: "teleport",
       node: node.name,
       position: position.toArray(),
       quaternion: [turn.w, turn.x, turn.y, turn.z],
       first,
+      group,
     });
     if (!answer.ok) this.toasts.show(answer.error, "error");
   }

@@ -48,6 +48,8 @@ export class Panels {
   readonly sounds: Sounds;
   readonly editor: Editor;
   private readonly highlight: Highlight;
+  /** whether the handles come back when the world has been described again */
+  private again = false;
 
   constructor(private readonly app: App) {
     const { connection, stage, components, watching, follow, toasts, shell } = app;
@@ -56,8 +58,8 @@ export class Panels {
     this.layers = new Layers(connection, stage, components, watching, app.world);
     this.images = new Images(connection, components, watching, app.session);
     this.plots = new PlotsPanel(components, watching, app.session, () => shell.show("bottom"), (text) => toasts.show(text));
-    this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node), (node) => void this.editor.delete(node.name), (node) => void this.editor.duplicate(node.name), app.seat.drives);
-    this.mover = new Mover(stage, connection, (node, { position, quaternion }, first) => void this.object.teleport(node, position, quaternion, first));
+    this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node), () => void this.editor.delete(components.chosen), () => void this.editor.duplicate(components.chosen), app.seat.drives);
+    this.mover = new Mover(stage, connection, (movement) => void this.object.teleport(movement), (nodes, factors, group) => void this.editor.scale(nodes.map(({ name }) => name), factors, group).then((done) => (this.again = done)));
     this.mover.running = () => app.poses.value?.running ?? false;
     app.navigation.claims = (event) => this.mover.claims(event);
     this.ruler = new Ruler(stage);
@@ -85,7 +87,7 @@ export class Panels {
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();
-    shell.over.append(h("div", { class: "said" }, this.ruler.element, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
+    shell.over.append(h("div", { class: "said" }, this.mover.element, this.ruler.element, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
     // a hand that drives cannot move the camera, and a small picture is left soon
@@ -97,13 +99,17 @@ export class Panels {
     toasts.element.append(saved.element);
     document.body.append(this.help.element);
     components.selected.watch((name) => shell.fill(name !== null));
-    components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));
+    const highlight = (): void => this.highlight.show(this.nodesOf(components.chosen));
+    components.selected.watch(highlight);
+    components.also.watch(highlight);
     app.world.watch((world) => {
       if (!world) return;
       this.images.prefer(world.description.view.display.images);
       this.layers.declare(world.description.view.display.rays);
-      this.highlight.show(world.find(components.selected.value ?? ""));
+      highlight();
       this.mover.toggle(null);
+      if (this.again) this.move(this.selectedNode());
+      this.again = false;
       this.object.rebind(world);
       follow.rebind(world);
     });
@@ -183,11 +189,12 @@ export class Panels {
     shortcuts.add("View", ["c", "C"], "C", "show the selected object", () => this.focus(app.components.selected.value));
     shortcuts.add("View", ["v", "V"], "V", "show the image of a robot's camera", () => this.toggleImage());
     shortcuts.add("Page", ["m", "M"], "M", "move the selected object, or stop", () => this.move(this.selectedNode()));
-    shortcuts.add("Page", ["n", "N"], "N", "move: translate or rotate", () => this.mover.turn());
-    shortcuts.add("Page", ["Delete"], "Del", "delete the selection", () => void this.editor.delete(app.components.selected.value));
+    shortcuts.add("Page", ["n", "N"], "N", "move: translate, rotate or scale", () => this.mover.turn());
+    shortcuts.add("Page", ["g", "G"], "G", "move in steps of 0.1 m and 15°", () => this.mover.snaps.set(!this.mover.snaps.value));
+    shortcuts.add("Page", ["Delete"], "Del", "delete the selection (Shift and a click: select several)", () => void this.editor.delete(app.components.chosen));
     shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo a change", () => void this.editor.undo());
     shortcuts.add("Page", ["Ctrl+y", "Ctrl+Z"], "Ctrl+Y", "redo a change", () => void this.editor.redo());
-    shortcuts.add("Page", ["Ctrl+d"], "Ctrl+D", "duplicate the selection", () => void this.editor.duplicate(app.components.selected.value));
+    shortcuts.add("Page", ["Ctrl+d"], "Ctrl+D", "duplicate the selection", () => void this.editor.duplicate(app.components.chosen));
     shortcuts.add("Page", ["Ctrl+s"], "Ctrl+S", "save the scene", () => void this.editor.save());
     shortcuts.add("Page", ["x", "X"], "X", "screenshot", () => this.capture.picture());
     shortcuts.add("Page", ["Escape"], "Esc", "select nothing", () => this.escape());
@@ -201,7 +208,11 @@ export class Panels {
   private move(node: WorldNode | null): void {
     if (!node && !this.mover.node.value) this.app.tell("Select something first: click it.");
     else if (!this.app.seat.drives.value) this.app.tell("Only the page that drives can move things.");
-    else this.mover.toggle(node);
+    else this.mover.toggle(node, this.nodesOf(this.app.components.also.value));
+  }
+
+  private nodesOf(names: string[]): WorldNode[] {
+    return names.map((name) => this.app.stage.world?.find(name)).filter((node): node is WorldNode => node !== undefined && node !== null);
   }
 
   private focus(name: string | null): void {

@@ -20,7 +20,7 @@ interface Row {
 /** Robots and their components, and the objects of the world. */
 export class TreePanel {
   readonly element: HTMLElement;
-  private readonly list = h("div", { role: "tree", class: "tree", "aria-label": "robots and components", tabIndex: 0 });
+  private readonly list = h("div", { role: "tree", class: "tree", "aria-label": "robots and components", "aria-multiselectable": "true", tabIndex: 0 });
   private readonly filter = h("input", { type: "search", placeholder: "find…", "aria-label": "find in the tree" });
   private readonly folded = new Set<string>([OBJECTS]);
   private rows: Row[] = [];
@@ -38,6 +38,7 @@ export class TreePanel {
     components.all.watch(() => this.rebuild());
     world.watch(() => this.rebuild());
     components.selected.watch((name) => this.mark(name));
+    components.also.watch(() => this.mark(components.selected.value));
     components.onChange(({ name }) => this.dress(name));
   }
 
@@ -89,14 +90,14 @@ export class TreePanel {
     const item = h("div", { role: "treeitem", "aria-level": row.level, "data-name": row.name, title: row.name }, fold, icon, row.label);
     if (open !== null) item.setAttribute("aria-expanded", String(open));
     this.dress(row.name, item);
-    item.addEventListener("click", () => (row.name === OBJECTS ? this.toggle(OBJECTS) : this.choose(row.name)));
+    item.addEventListener("click", (event) => (row.name === OBJECTS ? this.toggle(OBJECTS) : this.choose(row.name, event.shiftKey || event.ctrlKey || event.metaKey)));
     item.addEventListener("dblclick", () => this.onOpen(row.name));
     return item;
   }
 
-  private choose(name: string): void {
-    this.components.selected.set(name);
-    this.onChosen();
+  private choose(name: string, more: boolean): void {
+    this.components.choose(name, more);
+    if (!more) this.onChosen();
   }
 
   /** Show whether a component is active, and whether it has a problem. */
@@ -125,6 +126,7 @@ export class TreePanel {
     for (const item of this.list.querySelectorAll('[aria-selected="true"]')) item.setAttribute("aria-selected", "false");
     const item = name === null ? null : this.item(name);
     item?.setAttribute("aria-selected", "true");
+    for (const other of this.components.also.value) this.item(other)?.setAttribute("aria-selected", "true");
     if (item) reveal(item);
   }
 

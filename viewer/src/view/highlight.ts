@@ -3,39 +3,50 @@ import { theme } from "../ui/theme";
 import type { WorldNode } from "../world/node";
 import type { Stage } from "./stage";
 
-/** A thin box around the selected object. */
+/** A thin box around each selected object. */
 export class Highlight {
-  private readonly box = new Box3();
-  private readonly lines = new Box3Helper(this.box);
-  private node: WorldNode | null = null;
+  private readonly boxes: { box: Box3; lines: Box3Helper }[] = [];
+  private nodes: WorldNode[] = [];
 
   constructor(private readonly stage: Stage) {
-    const { material } = this.lines;
-    for (const one of Array.isArray(material) ? material : [material]) {
-      Object.assign(one, { transparent: true, opacity: 0.9, toneMapped: false });
-    }
-    this.lines.raycast = () => {};
-    this.lines.visible = false;
-    stage.scene.add(this.lines);
     stage.onDraw(() => this.update());
-    theme.watch((now) => {
-      const { color } = this.lines.material as unknown as { color: Color };
-      color.set(now === "light" ? 0xd9660c : 0xff9a4d);
-    });
+    theme.watch(() => this.boxes.forEach(({ lines }) => paint(lines)));
   }
 
-  show(node: WorldNode | null): void {
-    this.node = node;
+  show(nodes: WorldNode[]): void {
+    this.nodes = nodes;
+    while (this.boxes.length < nodes.length) this.boxes.push(this.make());
     this.stage.invalidate();
   }
 
-  private update(): void {
-    this.lines.visible = false;
-    if (!this.node || !this.stage.world) return;
-    this.box.copy(this.stage.world.boxOf(this.node.walk()));
-    if (this.box.isEmpty()) return;
-    this.box.expandByScalar(0.01 + 0.01 * this.box.max.distanceTo(this.box.min));
-    this.lines.visible = true;
-    this.lines.updateMatrixWorld(true);
+  private make(): { box: Box3; lines: Box3Helper } {
+    const box = new Box3();
+    const lines = new Box3Helper(box);
+    const { material } = lines;
+    for (const one of Array.isArray(material) ? material : [material]) {
+      Object.assign(one, { transparent: true, opacity: 0.9, toneMapped: false });
+    }
+    paint(lines);
+    lines.raycast = () => {};
+    this.stage.scene.add(lines);
+    return { box, lines };
   }
+
+  private update(): void {
+    this.boxes.forEach(({ box, lines }, i) => {
+      const node = this.nodes[i];
+      lines.visible = false;
+      if (!node || !this.stage.world) return;
+      box.copy(this.stage.world.boxOf(node.walk()));
+      if (box.isEmpty()) return;
+      box.expandByScalar(0.01 + 0.01 * box.max.distanceTo(box.min));
+      lines.visible = true;
+      lines.updateMatrixWorld(true);
+    });
+  }
+}
+
+function paint(lines: Box3Helper): void {
+  const { color } = lines.material as unknown as { color: Color };
+  color.set(theme.value === "light" ? 0xd9660c : 0xff9a4d);
 }

@@ -1,6 +1,7 @@
-import { BufferAttribute, BufferGeometry, Line, LineBasicMaterial, Object3D, Plane, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, Line, LineBasicMaterial, MathUtils, Object3D, Plane, Quaternion, Vector3 } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { Connection } from "../connection/connection";
+import { h } from "../ui/dom";
 import { Signal } from "../ui/signal";
 import type { WorldNode } from "../world/node";
 import { pick, pickPlane } from "./pick";
@@ -8,11 +9,38 @@ import type { Stage } from "./stage";
 
 const EVERY = 60; // ms between two messages
 
+/** Steps of the handles while they snap: m, rad, and part of the size. */
+const STEPS = { translate: 0.1, rotate: MathUtils.degToRad(15), scale: 0.1 };
+
+export type Mode = keyof typeof STEPS;
+
+/** A movement, or a part of it. */
+export interface Movement {
+  node: WorldNode;
+  position: Vector3;
+  quaternion: Quaternion;
+  /** whether it begins the movement of this node */
+  first: boolean;
+  /** that of all nodes that move together */
+  group: number;
+}
+
+/** The number of changes that are undone together. */
+export const newGroup = (): number => 1 + Math.floor(Math.random() * (2 ** 52));
+
 /** Moves objects: handles set the pose; dragging the object itself applies a force while time runs. */
 export class Mover {
   readonly node = new Signal<WorldNode | null>(null);
   /** whether time advances: dragging then applies a force */
   running: () => boolean = () => false;
+  readonly mode = new Signal<Mode>("translate");
+  /** whether the handles move in steps */
+  readonly snaps = new Signal(false);
+  /** what the handles do */
+  readonly element = h("div", { class: "tools mover", role: "toolbar", "aria-label": "move", hidden: true });
+  /** nodes that move with it, and their poses relative to it when the movement began */
+  private others: { node: WorldNode; position: Vector3; quaternion: Quaternion }[] = [];
+  private group = 0;
   private readonly handles: TransformControls;
   private readonly proxy = new Object3D();
   private readonly cord: Line;
@@ -25,15 +53,17 @@ export class Mover {
   constructor(
     private readonly stage: Stage,
     private readonly connection: Connection,
-    private readonly teleport: (node: WorldNode, proxy: Object3D, first: boolean) => void,
+    private readonly teleport: (movement: Movement) => void,
+    private readonly scale: (nodes: WorldNode[], factors: [number, number, number], group: number) => void,
   ) {
     const canvas = stage.renderer.domElement;
     this.handles = new TransformControls(stage.view.camera, canvas);
     this.handles.setSize(0.8);
     this.handles.addEventListener("change", stage.invalidate);
-    this.handles.addEventListener("mouseDown", () => (this.begins = true));
-    this.handles.addEventListener("objectChange", () => this.put());
-    this.handles.addEventListener("mouseUp", () => this.put(true));
+    this.handles.addEventListener("mouseDown", () => this.begin());
+    this.handles.addEventListener("objectChange", () => this.mode.value !== "scale" && this.put());
+    this.handles.addEventListener("mouseUp", () => (this.mode.value === "scale" ? this.resize() : this.put(true)));
+    this.fillTools();
     stage.scene.add(this.proxy, this.handles.getHelper());
     const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(6), 3));
     this.cord = new Line(geometry, new LineBasicMaterial({ color: 0xd12fae, depthTest: false, toneMapped: false }));
@@ -48,17 +78,60 @@ export class Mover {
   }
 
   /** Attach the handles to a node, or detach them. */
-  toggle(node: WorldNode | null): void {
-    const mover = node?.find(({ description }) => description.frame === "world") ?? node;
+  toggle(node: WorldNode | null, others: WorldNode[] = []): void {
+    const free = (one: WorldNode): WorldNode => one.find(({ description }) => description.frame === "world") ?? one;
+    const mover = node && free(node);
     this.node.set(mover === this.node.value ? null : mover);
+    const rest = new Set(this.node.value ? others.map(free).filter((one) => one !== mover) : []);
+    this.others = [...rest].map((one) => ({ node: one, position: new Vector3(), quaternion: new Quaternion() }));
+    this.element.hidden = this.node.value === null;
     if (this.node.value) this.handles.attach(this.proxy);
     else this.handles.detach();
     this.stage.invalidate();
   }
 
-  /** Switch the handles between translation and rotation. */
+  /** Switch the handles between translation, rotation and size. */
   turn(): void {
-    this.handles.setMode(this.handles.mode === "translate" ? "rotate" : "translate");
+    const modes = Object.keys(STEPS) as Mode[];
+    this.mode.set(modes[(modes.indexOf(this.mode.value) + 1) % modes.length] as Mode);
+  }
+
+  private fillTools(): void {
+    const button = (label: string, title: string, run: () => void): HTMLButtonElement => h("button", { type: "button", title, onclick: run }, label);
+    const names: [Mode, string][] = [["translate", "move"], ["rotate", "turn"], ["scale", "scale"]];
+    const modes = names.map(([mode, label]) => ({ mode, made: button(label, `${label} (N: the next one)`, () => this.mode.set(mode)) }));
+    const snap = button("snap", "Steps of 0.1 m, 15° and a tenth (G)", () => this.snaps.set(!this.snaps.value));
+    this.element.append(...modes.map(({ made }) => made), snap);
+    this.mode.watch((now) => {
+      for (const { mode, made } of modes) made.setAttribute("aria-pressed", String(mode === now));
+      this.handles.setMode(now);
+      this.stage.invalidate();
+    });
+    this.snaps.watch((on) => {
+      snap.setAttribute("aria-pressed", String(on));
+      this.handles.setTranslationSnap(on ? STEPS.translate : null);
+      this.handles.setRotationSnap(on ? STEPS.rotate : null);
+      this.handles.setScaleSnap(on ? STEPS.scale : null);
+    });
+  }
+
+  /** A movement begins: the others keep their poses relative to the one with the handles. */
+  private begin(): void {
+    this.begins = true;
+    this.group = newGroup();
+    const back = this.proxy.quaternion.clone().invert();
+    for (const { node, position, quaternion } of this.others) {
+      node.frame.getWorldPosition(position).sub(this.proxy.position).applyQuaternion(back);
+      node.frame.getWorldQuaternion(quaternion).premultiply(back);
+    }
+  }
+
+  private resize(): void {
+    const node = this.node.value;
+    const { x, y, z } = this.proxy.scale;
+    this.proxy.scale.set(1, 1, 1);
+    const least = (factor: number): number => Math.max(Math.abs(factor), 0.01);
+    if (node && (x !== 1 || y !== 1 || z !== 1)) this.scale([node, ...this.others.map((one) => one.node)], [least(x), least(y), least(z)], newGroup());
   }
 
   /** A press of the mouse: handled here if it hits a handle or the object itself. */
@@ -67,11 +140,12 @@ export class Mover {
     if (!node || event.button !== 0 || event.ctrlKey || event.shiftKey) return false;
     if (this.handles.axis !== null) return true;
     const hit = pick(this.stage, event.clientX, event.clientY);
-    if (!hit || !hit.node.find((one) => one === node)) return false;
-    this.begins = true;
+    const own = hit && [node, ...this.others.map((one) => one.node)].find((one) => hit.node.find((part) => part === one));
+    if (!hit || !own) return false;
+    this.begin();
     this.plane.setFromNormalAndCoplanarPoint(this.stage.view.ahead.negate(), hit.point);
-    const anchor = node.frame.worldToLocal(hit.point.clone());
-    this.held = { node, anchor, target: hit.point.clone(), grip: hit.point.clone().sub(this.proxy.position) };
+    const anchor = own.frame.worldToLocal(hit.point.clone());
+    this.held = { node: own, anchor, target: hit.point.clone(), grip: hit.point.clone().sub(this.proxy.position) };
     return true;
   }
 
@@ -83,6 +157,7 @@ export class Mover {
     this.stage.invalidate();
     if (!this.running()) {
       this.proxy.position.copy(target).sub(this.held.grip);
+      if (this.snaps.value) this.proxy.position.divideScalar(STEPS.translate).round().multiplyScalar(STEPS.translate);
       this.put();
     } else if (this.due()) this.tell();
   }
@@ -105,7 +180,13 @@ export class Mover {
   private put(now = false): void {
     const node = this.node.value;
     if (!node || !(now || this.due())) return;
-    this.teleport(node, this.proxy, this.begins);
+    const { position, quaternion } = this.proxy;
+    const { begins: first, group } = this;
+    this.teleport({ node, position: position.clone(), quaternion: quaternion.clone(), first, group });
+    for (const other of this.others) {
+      const place = other.position.clone().applyQuaternion(quaternion).add(position);
+      this.teleport({ node: other.node, position: place, quaternion: quaternion.clone().multiply(other.quaternion), first, group });
+    }
     this.begins = false;
   }
 

@@ -14,7 +14,7 @@ export class Navigation {
   speed = 2;
   /** called when the user moves the camera */
   onTaken: () => void = () => {};
-  onClick: (x: number, y: number) => void = () => {};
+  onClick: (x: number, y: number, more: boolean) => void = () => {};
   /** whether another object, e.g. a handle, handles the drag that begins here */
   claims: (event: PointerEvent) => boolean = () => false;
   private readonly pointers = new Map<number, { x: number; y: number }>();
@@ -66,7 +66,7 @@ export class Navigation {
   private up(event: PointerEvent): void {
     const known = this.pointers.delete(event.pointerId);
     if (known && this.pointers.size === 0) {
-      if (this.travelled <= CLICK && event.button === 0 && !event.ctrlKey) this.onClick(event.clientX, event.clientY);
+      if (this.travelled <= CLICK && event.button === 0) this.onClick(event.clientX, event.clientY, event.shiftKey || event.ctrlKey || event.metaKey);
       this.mode = null;
     }
   }

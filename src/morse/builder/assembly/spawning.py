@@ -10,6 +10,7 @@ import ast
 import re
 import tempfile
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -118,6 +119,8 @@ _PLAIN_NAME = re.compile(r"\w+")
 _MOST_CALLS = 100
 #: s: all measurements of this time are kept
 _LONGEST_DELAY = 60.0
+#: smallest and largest factor by which an object is scaled
+_FACTORS = 0.01, 100.0
 
 
 def split_kind(kind: str) -> tuple[str, list[str]]:
@@ -359,6 +362,39 @@ def _described_by(text: str) -> Robot:
             return Robot(str(path))
         except (MorseError, ValueError, OSError) as error:
             raise MorseBuilderError(str(error).replace(str(path), "the description")) from None
+
+
+def object_maker(kind: str) -> Callable[[], object]:
+    """As `maker_of`, for a kind that lines with calls may follow: settings of a robot, or ``scale(2.0, 2.0, 1.0)``."""
+    own, calls = split_kind(kind)
+    make = maker_of(own)
+    return partial(_made_with, make, calls) if calls else make
+
+
+def _made_with(make: Callable[[], object], calls: Sequence[str]) -> object:
+    made = make()
+    if not isinstance(made, AbstractComponent):
+        raise MorseBuilderError(f"expected a robot or an object with {len(calls)} settings, not {checks.shown(made)}")
+    _configure(made, [call for call in calls if not call.startswith("scale(")])
+    for call in calls:
+        if call.startswith("scale("):
+            _resize(made, call)
+    return made
+
+
+def _resize(made: AbstractComponent, call: str) -> None:
+    _, numbers, words = _parsed(call)
+    if isinstance(made, Robot):
+        raise MorseBuilderError("a robot cannot be scaled: its model has the size of the real one")
+    if len(numbers) != 3 or words or not all(_is_factor(number) for number in numbers):
+        low, high = _FACTORS
+        raise MorseBuilderError(f"scale takes 3 factors of {low:g} to {high:g}, not {short(call)}")
+    made.scale = [float(number) for number in numbers if isinstance(number, (int, float))]
+
+
+def _is_factor(number: object) -> bool:
+    is_number = isinstance(number, (int, float)) and not isinstance(number, bool)
+    return is_number and _FACTORS[0] <= float(str(number)) <= _FACTORS[1]
 
 
 def component_of(kind: str) -> AbstractComponent:

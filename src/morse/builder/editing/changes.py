@@ -18,6 +18,7 @@ class Addition:
         position: in the world, or on the robot, m.
         angles: Euler angles XYZ, rad.
         robot: name of the robot of a component; empty for others.
+        scale: factor along each axis.
         own_position, own_angles: the pose that the builder gives to such an object.
         has_own_name: whether the builder gives such an object a name, so that it is not called as its variable.
         calls: of its methods, as text: ``frequency(10)``.
@@ -32,6 +33,7 @@ class Addition:
     own_angles: Triple = (0.0, 0.0, 0.0)
     has_own_name: bool = False
     calls: tuple[str, ...] = ()
+    scale: Triple = (1.0, 1.0, 1.0)
 
     @property
     def scene_name(self) -> str:

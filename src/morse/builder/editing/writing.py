@@ -131,6 +131,8 @@ def _lines_of(source: Source, addition: Addition, robots: dict[str, str]) -> lis
     shift = [new - old for new, old in zip(addition.position, addition.own_position, strict=True)]
     turn = [new - old for new, old in zip(addition.angles, addition.own_angles, strict=True)]
     lines += [*_call(name, "translate", shift), *_call(name, "rotate", turn)]
+    if addition.scale != (1.0, 1.0, 1.0):
+        lines.append(f"{name}.scale = ({', '.join(map(_number, addition.scale))})")
     lines += [f"{name}.{call}" for call in addition.calls]
     if addition.robot:
         if addition.robot not in robots:
