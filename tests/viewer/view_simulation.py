@@ -217,7 +217,7 @@ class CircleDriver:
             components.append(
                 ComponentDescription(
                     f"{robot}.lidar", "sensor", robot, "Lidar", "Measures distances", 10.0, "raw",
-                    data=data, properties=properties, services=services,
+                    data=data, properties=properties, services=services, pictured=True,
                 )
             )  # fmt: skip
         return Tree(components)
