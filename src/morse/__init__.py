@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from morse.eyes import Rays, Renderer
     from morse.launch.load import load
     from morse.many.batch import batch
+    from morse.sensors.on_models import sensors_on
     from morse.simulation.simulation import Simulation
 
-__all__ = ["Rays", "Renderer", "Simulation", "batch", "load"]
+__all__ = ["Rays", "Renderer", "Simulation", "batch", "load", "sensors_on"]
 
 #: where the names are: importing a part of MORSE, such as the builder, does not load the simulator
 _PLACES = {
@@ -29,6 +30,7 @@ _PLACES = {
     "batch": "morse.many.batch",
     "Simulation": "morse.simulation.simulation",
     "load": "morse.launch.load",
+    "sensors_on": "morse.sensors.on_models",
 }
 
 

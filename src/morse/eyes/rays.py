@@ -57,15 +57,22 @@ class Rays:
         model: `mujoco.MjModel`.
         geomgroup: (6,) whether each group is hit; None for all.
         flg_static: whether geoms are hit that are fixed in the world.
+        whole_trees: whether a body that `cast` leaves out stands for its kinematic tree, of which it is the first one.
 
     Raises:
         ValueError: not six groups.
     """
 
     def __init__(
-        self, model: mujoco.MjModel, geomgroup: Sequence[bool] | None = None, *, flg_static: bool = True
+        self,
+        model: mujoco.MjModel,
+        geomgroup: Sequence[bool] | None = None,
+        *,
+        flg_static: bool = True,
+        whole_trees: bool = False,
     ) -> None:
         self._model = model
+        bodies = (model.body_rootid if whole_trees else np.arange(model.nbody))[model.geom_bodyid]
         use = np.where(model.geom_matid >= 0, _alpha(model)[model.geom_matid], model.geom_rgba[:, 3]) > 0
         use |= (model.geom_matid >= 0) & (model.geom_rgba[:, 3] > 0) & ~_plain(model)
         if geomgroup is not None:
@@ -90,14 +97,14 @@ class Rays:
             np.array([row[1] for row in solids], np.int32),
             int((~stands[geoms]).sum()),
             geoms,
-            model.geom_bodyid[geoms],
+            bodies[geoms],
             np.array([row[2] for row in solids], np.float64).reshape(-1, 3),
             np.array([box[0] for box in boxes]).reshape(-1, 3),
             np.array([box[1] for box in boxes]).reshape(-1, 3),
             meshes,
             np.concatenate([np.zeros((0, 3)), *of_faces]),
             np.cumsum([0, *map(len, of_faces)]),
-            np.stack([planes, model.geom_bodyid[planes]], axis=1),
+            np.stack([planes, bodies[planes]], axis=1),
             model.geom_size[planes, :2],
         )
 

@@ -68,18 +68,27 @@ class AbstractDepthCamera(Camera):
         self._random = self.context.random(f"{self.name()}/depth")
 
     def depth_of(self, picture: Picture) -> NDArray[np.float32]:
-        """Return the depths (H, W) with noise, between the near and the far plane; 0 for pixels without a surface.
-
-        The error of a disparity is the same at all depths. The error of the depth therefore grows with the square of
-        the depth. K. Khoshelham and S. O. Elberink (Accuracy and Resolution of Kinect Depth Data for Indoor Mapping
-        Applications, 2012) measured about 1.4 mm at 1 m.
-        """
-        depth = picture.depth
+        """Return the depths (H, W) with noise, between the near and the far plane; 0 for pixels without a surface."""
         if not self.depth_noise:
-            return depth
-        noise = self._random.standard_normal(depth.shape, np.float32) * np.float32(self.depth_noise)
-        noisy = np.clip(depth + noise * depth * depth, np.float32(self.lens.near), np.float32(self.lens.far))
-        return np.where(depth > 0.0, noisy, np.float32(0.0))
+            return picture.depth
+        return noisy_depths(picture.depth, self._random, self.depth_noise, self.lens.near, self.lens.far)
+
+
+def noisy_depths(
+    depth: NDArray[np.float32], random: np.random.Generator, noise: float, near: float, far: float
+) -> NDArray[np.float32]:
+    """Return depths (H, W) with noise, between the near and the far plane, m; 0 for pixels without a surface.
+
+    The error of a disparity is the same at all depths. The error of the depth therefore grows with the square of the
+    depth. K. Khoshelham and S. O. Elberink (Accuracy and Resolution of Kinect Depth Data for Indoor Mapping
+    Applications, 2012) measured about 1.4 mm at 1 m.
+
+    Args:
+        noise: standard deviation of the depth at 1 m, in m.
+    """
+    errors = random.standard_normal(depth.shape, np.float32) * np.float32(noise)
+    noisy = np.clip(depth + errors * depth * depth, np.float32(near), np.float32(far))
+    return np.where(depth > 0.0, noisy, np.float32(0.0))
 
 
 class DepthCamera(AbstractDepthCamera):

@@ -56,6 +56,19 @@ class ErrorTerms(NamedTuple):
         return {"stddev": white, "walk": self.random_walk}
 
 
+def terms_of(values: Mapping[str, float | None]) -> tuple[ErrorTerms, ErrorTerms]:
+    """Return the errors of the gyroscope and of the accelerometer from the properties of an `IMU`."""
+
+    def terms(kind: str, last: float | None = None) -> ErrorTerms:
+        density, instability, walk = (
+            values[f"{kind}{name}"] or 0.0 for name in ("NoiseDensity", "BiasInstability", "RandomWalk")
+        )
+        densities = (density, density, density if last is None else last)
+        return ErrorTerms(densities, instability, walk, values["BiasCorrelationTime"] or 0.0)
+
+    return terms("Gyro"), terms("Accel", values["AccelNoiseDensityZ"])
+
+
 class _NoiseState(TypedDict):
     random: GeneratorState
     bias: list[float]

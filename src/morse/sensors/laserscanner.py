@@ -342,9 +342,16 @@ class LaserScanner(Sensor):
         if field != "range_list":
             values[has_hit] = noise.possible(noise.errors(values[has_hit], common=True))
             return
-        distances = noise.errors(values, common=True)
-        has_hit &= ~noise.lost(len(rays)) & (distances < self.laser_range)
-        data[field] = np.where(has_hit, np.maximum(distances, 0.0), self.laser_range)
+        data[field] = echoes(values, has_hit, noise, self.laser_range)
+
+
+def echoes(
+    ranges: NDArray[np.float64], has_hit: NDArray[np.bool_], noise: Noise, laser_range: float
+) -> NDArray[np.float64]:
+    """Return distances (N,) with errors, m; those without a hit, or whose echo is lost, are the largest distance."""
+    distances = noise.errors(ranges, common=True)
+    has_hit = has_hit & ~noise.lost(len(ranges)) & (distances < laser_range)
+    return np.where(has_hit, np.maximum(distances, 0.0), laser_range)
 
 
 class LaserScannerRotationZ(LaserScanner):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 #: °C: temperatures of objects are limited to this range
-_COLDEST, _HOTTEST = -273.15, 1e6
+COLDEST, HOTTEST = -273.15, 1e6
 #: property of an object, and of the environment, with a temperature in °C
 _TEMPERATURE = "Temperature"
 
@@ -54,12 +54,12 @@ class ThermalCamera(Camera):
         frame="optical",
         shape=(None, None),
         dtype="float32",
-        low=_COLDEST,
+        low=COLDEST,
     )
     add_data("intrinsic_matrix", **INTRINSIC)
 
     add_property(
-        "_ambient", 15.0, "DefaultTemperature", "float", "Temperature of all other surfaces", unit="°C", low=_COLDEST
+        "_ambient", 15.0, "DefaultTemperature", "float", "Temperature of all other surfaces", unit="°C", low=COLDEST
     )
     add_property(
         "_sky",
@@ -68,7 +68,7 @@ class ThermalCamera(Camera):
         "float",
         "Temperature without a surface; None for that of the other surfaces",
         unit="°C",
-        low=_COLDEST,
+        low=COLDEST,
         allow=("none",),
     )
     add_property("_fire_tag", "Fire", "FireTag", "string", "Property that marks fires")
@@ -99,7 +99,7 @@ class ThermalCamera(Camera):
         temperatures: dict[Node, float] = {}
         values = [self._of(node, temperatures) for node in self.request.server.contents.nodes]
         sky = self._ambient if self._sky is None else self._sky
-        return np.clip(np.array([*values, sky], np.float64), _COLDEST, _HOTTEST).astype(np.float32)
+        return np.clip(np.array([*values, sky], np.float64), COLDEST, HOTTEST).astype(np.float32)
 
     def _of(self, node: Node, temperatures: dict[Node, float]) -> float:
         """The temperature of an object, which parts without a temperature of their own have as well."""
