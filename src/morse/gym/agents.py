@@ -74,7 +74,7 @@ class Team(RowArrays):
 
     def step(self, ticks: int, *, measure: bool) -> None:
         """See `morse.many.batch.Batch.step`."""
-        for column, (rows, _) in [(column, column.check()) for column in self._commands]:
+        for column, rows in [(column, column.check()) for column in self._commands]:
             column.publish(rows)
         self._simulation.step(ticks, measure=measure)
         self._look()

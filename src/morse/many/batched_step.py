@@ -84,6 +84,11 @@ class BatchedStep:
 
     # -- a step ------------------------------------------------------------------------------
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether no row goes on together with others."""
+        return not (self.members.any() or self.joint_step.members.any())
+
     def begin(self) -> None:
         """Let those rows be members of `joint_step` that may be from the first step on."""
         if self._fresh:
@@ -98,7 +103,7 @@ class BatchedStep:
         """Run a step of the members, at whose end all sensors measure.
 
         Args:
-            commanded: (N,) rows with another command than before.
+            commanded: (N,) members with another command than before, which their simulations have.
             commands: the commands of `joint_step`, see there.
 
         Returns:

@@ -282,6 +282,7 @@ class CommandColumn:
     def __init__(self, layout: Layout, handles: Sequence[ComponentHandle]) -> None:
         rows = len(handles)
         self.layout, self._handles, self.name = layout, handles, handles[0].fqn
+        self._every = np.arange(rows)
         self._pending: list[PendingCommands | None] = [None] * rows
         self._actuators: list[object] = [None] * rows
         self.array = layout.empty(rows).view(Command)
@@ -308,11 +309,8 @@ class CommandColumn:
             assert self.array.written is not None
             self.array.written[row] = self._has_last[row] = False
 
-    def check(self) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-        """Check the commands of all rows.
-
-        Returns:
-            The rows to publish, and for each row whether its command may differ from the last one.
+    def check(self) -> NDArray[np.intp]:
+        """Check the commands of all rows; return the rows that have one.
 
         Raises:
             CommandError: a value is not valid; the message names the row.
@@ -320,21 +318,32 @@ class CommandColumn:
         values, mask = self._plain, self.array.written
         assert mask is not None
         flat = values.reshape(len(values), -1)
+        rows = self._every
         if not mask.all():
             # in-place operations such as `drive += 1` do not assign
             mask |= (flat != self._initial.reshape(flat.shape)).any(axis=1)
-        rows = np.flatnonzero(mask)
+            rows = np.flatnonzero(mask)
         if not self._are_numbers:
             for row in rows.tolist():
                 self._review(row)
-            return rows, mask.copy()
+            return rows
         is_valid: NDArray[np.bool_] = (flat >= self._low) & (flat <= self._high)  # not of NaN
         if not is_valid.all():
             for row in rows[~np.all(is_valid, axis=1)[rows]].tolist():
                 self._review(row)
+        return rows
+
+    def changes(self) -> NDArray[np.bool_]:
+        """Whether a row (N,) has a command that may differ from the last one."""
+        written = self.array.written
+        assert written is not None
+        if not self._are_numbers:
+            return written.copy()
+        flat = self._plain.reshape(len(self._plain), -1)
         # the bytes, because 0.0 and -0.0 are equal
         now, before = flat.view(np.uint8), self._last.reshape(flat.shape).view(np.uint8)
-        return rows, mask & (~self._has_last | (now != before).any(axis=1))
+        differs: NDArray[np.bool_] = written & (~self._has_last | (now != before).any(axis=1))
+        return differs
 
     def _review(self, row: int) -> None:
         try:

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from morse.many.fields import CommandColumn
     from morse.simulation.simulation import Simulation
 
-    #: a column, the rows that have a command, and for each row of the batch whether it is a new one
-    Command = tuple[CommandColumn, NDArray[np.intp], NDArray[np.bool_]]
+    #: a column, and the rows that have a command
+    Command = tuple[CommandColumn, NDArray[np.intp]]
 
 
 class JointStep:
@@ -114,42 +114,36 @@ class JointStep:
             (N,) the numbers of ticks. Members for which it is 0 have left: their simulations are as before the step,
             and have the commands of the step.
         """
-        ran = np.zeros(len(self.members), np.int64)
-        rows = np.flatnonzero(self.members)
-        engine = self._engine
-        if engine is None or not len(rows):
-            return ran
-        self._missed[rows] += self._last[rows]
-        self._last[rows] = ticks
-        engine.begin(rows)
+        going, engine = self.members.copy(), self._engine
+        if engine is None or not going.any():
+            return np.zeros(len(going), np.int64)
+        self._missed += np.where(going, self._last, 0)
+        self._last[going] = ticks
+        engine.begin(going)
         drives = self._drives.values()
         for drive in drives:
-            drive.begin(rows)
-        told = [(column, numbers[self.members[numbers]]) for column, numbers, _ in commands]
+            drive.begin(going)
+        told = [(column, numbers[going[numbers]]) for column, numbers in commands]
         for column, numbers in told:
             if len(numbers):
                 self._drives[column.name].tell(numbers, column.layout.fields, column.take(numbers))
-        well = np.ones(len(rows), bool)
         for _ in range(ticks):
-            going = rows if well.all() else rows[well]
             for drive in drives:
                 drive.act(going, engine.commands)
-            well[well] = engine.run(going)
-        going = rows if well.all() else rows[well]
-        well[well] = engine.place(going)
-        if not well.all():
-            for row in rows[~well].tolist():
+            engine.run(going)
+        engine.place(going)
+        if not np.array_equal(going, self.members):
+            for row in np.flatnonzero(self.members & ~going).tolist():
                 self.members[row] = False
                 self._return(row)
                 for column, numbers in told:
                     column.publish(numbers[numbers == row])
-            rows = rows[well]
-        ran[rows] = ticks
+        rows = np.flatnonzero(going)
         if len(rows):
             times = self._origins[rows] + (self._ticks[rows] + self._missed[rows] + ticks) / self._rates[rows]
             for reading in self._readings:
                 reading.update(rows, engine, times)
-        return ran
+        return np.where(going, ticks, 0)
 
 
 class _Drive:
@@ -159,7 +153,9 @@ class _Drive:
         self._fields = tuple(setpoints.fields)
         self._places = {name: place for place, name in enumerate(self._fields)}
         shape = rows, len(self._fields)
-        self._targets, self._values, self._low, self._high, self._steps = (np.zeros(shape) for _ in range(5))
+        self._targets, self._values, self._low, self._high = (np.zeros(shape) for _ in range(4))
+        #: the targets within the limits; what a tick changes at most, and whether that is a limit
+        self._goals, self._steps, self._has_limit = np.zeros(shape), np.full(shape, np.inf), False
         self._targets_before, self._values_before = np.zeros(shape), np.zeros(shape)
         self._channels = np.zeros(shape, np.intp)
         self._actuators: list[Actuator | None] = [None] * rows
@@ -179,12 +175,15 @@ class _Drive:
             setpoints.channels,
         )
         self._low[row], self._high[row] = zip(*setpoints.bounds, strict=True)
+        self._has_limit |= bool((self._steps[row] < np.inf).any())
         self._actuators[row] = actuator
-        return True
+        self._limit(np.array([row]))
+        return not np.isnan(self._targets[row]).any()
 
-    def begin(self, rows: NDArray[np.int64]) -> None:
-        """Begin a step: `give_back` returns to this time."""
-        self._targets_before[rows], self._values_before[rows] = self._targets[rows], self._values[rows]
+    def begin(self, going: NDArray[np.bool_]) -> None:
+        """Begin a step of some rows: `give_back` returns to this time."""
+        np.copyto(self._targets_before, self._targets, where=going[:, None])
+        np.copyto(self._values_before, self._values, where=going[:, None])
 
     def give_back(self, row: int) -> None:
         """Give the actuator of a row its setpoints from before the last step."""
@@ -199,21 +198,24 @@ class _Drive:
             self._targets[rows] = values
         else:
             self._targets[rows[:, None], [self._places[name] for name in fields]] = values
+        self._limit(rows)
 
-    def act(self, rows: NDArray[np.int64], commands: NDArray[np.float64]) -> None:
-        """Move the joints toward their setpoints by one tick, and write the commands (N, nu) of their motors."""
-        here, goal = self._values[rows], self._targets[rows]
-        goal = np.where(
-            goal < self._low[rows], self._low[rows], np.where(goal > self._high[rows], self._high[rows], goal)
-        )
-        differs = goal != here
+    def _limit(self, rows: NDArray[np.intp]) -> None:
+        goal, low, high = self._targets[rows], self._low[rows], self._high[rows]
+        self._goals[rows] = np.where(goal < low, low, np.where(goal > high, high, goal))
+
+    def act(self, going: NDArray[np.bool_], commands: NDArray[np.float64]) -> None:
+        """Move the joints of some rows toward their setpoints by one tick, and write the commands (N, nu)."""
+        here, new = self._values, self._goals
+        differs = (new != here) & going[:, None]
         if not differs.any():
             return
-        step, way = self._steps[rows], goal - here
-        # what has no limit goes to its setpoint, so that no infinite number remains
-        new = np.where((-step <= way) & (way <= step), goal, np.where(way > 0.0, here + step, here - step))
-        moves = differs.any(axis=1)
-        self._values[rows[moves]] = new[moves]
-        channels = self._channels[rows]
-        places = np.nonzero(differs & (new != here) & (channels >= 0))
-        commands[rows[places[0]], channels[places]] = new[places]
+        moves = differs
+        if self._has_limit:
+            step, way = self._steps, new - here
+            # what has no limit goes to its setpoint, so that no infinite number remains
+            new = np.where((-step <= way) & (way <= step), new, np.where(way > 0.0, here + step, here - step))
+            moves = differs & (new != here)
+        rows, joints = np.nonzero(moves & (self._channels >= 0))
+        commands[rows, self._channels[rows, joints]] = new[rows, joints]
+        np.copyto(here, new, where=differs.any(axis=1, keepdims=True))

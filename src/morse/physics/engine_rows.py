@@ -71,10 +71,13 @@ class EngineRows:
         #: model, data and arrays of each world, and where poses are written to
         self._poses: list[tuple[Any, ...]] = [()] * rows
         self._before = self._state.copy()
+        #: steps of the engine in a tick, and the different numbers
+        self._counts: set[int] = set()
         self._steps, self._moves = np.zeros(rows, np.int64), np.zeros((rows, groups), bool)
-        #: free bodies: the group, and the first of its positions in the engine; the same if no other poses are needed
+        #: free bodies: the group, and the first of its positions in the engine
         self._free: list[tuple[tuple[int, int], ...]] = [()] * rows
-        self._roots: list[tuple[tuple[int, int], ...] | None] = [None] * rows
+        #: which rows need the poses of these free bodies alone, or all poses (None)
+        self._placed: dict[tuple[tuple[int, int], ...] | None, NDArray[np.bool_]] = {}
         self._falls = np.zeros((rows, groups), bool)
         self._most, self._lowest = np.zeros(rows, np.int64), np.zeros(rows)
         #: whether models have changed since the engine has taken note of them
@@ -140,6 +143,7 @@ class EngineRows:
             np.arange(moving) if bodies is None else bodies,
         )
         self._steps[row] = world.steps
+        self._counts = set(self._steps[self._steps > 0].tolist())
         self._moves[row] = np.arange(len(world.positions)) < moving
         self._free[row] = tuple(
             (group, slot.qpos) for group, slot in enumerate(world.slots[:moving]) if slot.frame.motion is Motion.FREE
@@ -149,42 +153,39 @@ class EngineRows:
         self._most[row], self._lowest[row] = world.most_contacts, lowest_shape(world)[0] - _BELOW
         return True
 
-    def begin(self, rows: NDArray[np.int64]) -> None:
-        """Begin a call of one or more ticks: `give_back` returns to this time."""
+    def begin(self, going: NDArray[np.bool_]) -> None:
+        """Begin a call of one or more ticks of some rows, (N,): `give_back` returns to this time."""
         batch = self._wake()
         if self._has_news:
             batch.set_models(self._models)
             self._has_news = False
-        self._before[rows] = batch.state[rows]
+        np.copyto(self._before, batch.state, where=going[:, None])
 
-    def run(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def run(self, going: NDArray[np.bool_]) -> None:
         """Run a tick in some rows.
 
         Args:
-            rows: their numbers, in ascending order.
-
-        Returns:
-            For each of the rows, whether nothing has happened that the world itself has to deal with.
+            going: (N,) which ones; those in which something has happened that the world itself has to deal with are
+                removed.
         """
-        batch, steps = self._wake(), self._steps[rows]
+        batch = self._wake()
         self._is_busy = True
         try:
-            for count in set(steps.tolist()):
-                chosen = rows[steps == count]
+            for count in self._counts:
+                chosen = np.flatnonzero(going & (self._steps == count))
                 try:
                     batch.step(chosen, count)
                 except SimulationError:
                     batch.warning[chosen, 0, 1] += batch.status[chosen] != 0
         finally:
             self._is_busy = False
-        speeds, places = self._speeds[rows], self.joints[rows]
-        well: NDArray[np.bool_] = np.einsum("ij,ij->i", speeds, speeds) < (_NEAR * RUNAWAY_SPEED) ** 2
-        well &= np.einsum("ij,ij->i", places, places) < (_NEAR * RUNAWAY_DISTANCE) ** 2
-        well &= self._contacts[rows] <= self._most[rows]
+        speeds, places = self._speeds, self.joints
+        going &= np.einsum("ij,ij->i", speeds, speeds) < (_NEAR * RUNAWAY_SPEED) ** 2
+        going &= np.einsum("ij,ij->i", places, places) < (_NEAR * RUNAWAY_DISTANCE) ** 2
+        going &= self._contacts <= self._most
         if batch.warning.any():
-            well &= ~batch.warning[rows, :, 1].any(axis=1)
+            going &= ~batch.warning[:, :, 1].any(axis=1)
             batch.warning[:] = 0
-        return well
 
     def read(self, row: int, groups: Iterable[int] | None) -> None:
         """Say which poses of a row are needed.
@@ -195,20 +196,22 @@ class EngineRows:
         free, moving = self._free[row], np.count_nonzero(self._moves[row])
         needed = range(moving) if groups is None else [group for group in groups if group < moving]
         known = dict(free)
-        self._roots[row] = free if all(group in known for group in needed) else None
+        for rows in self._placed.values():
+            rows[row] = False
+        roots = free if all(group in known for group in needed) else None
+        self._placed.setdefault(roots, np.zeros(len(self._models), bool))[row] = True
 
-    def place(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Compute the poses; return for each of the rows whether no body has fallen out of its world."""
-        alike: dict[tuple[tuple[int, int], ...] | None, list[int]] = {}
-        for row in rows.tolist():
-            alike.setdefault(self._roots[row], []).append(row)
-        self._place_all(alike.pop(None, ()))
-        for roots, some in alike.items():
-            for group, place in roots or ():
-                self._place_free(np.array(some), group, place)
-        heights = np.where(self._falls[rows], self.positions[rows, :, 2], np.inf)
-        fallen: NDArray[np.bool_] = heights.min(axis=1, initial=np.inf) < self._lowest[rows]
-        return ~fallen
+    def place(self, going: NDArray[np.bool_]) -> None:
+        """Compute the poses of some rows, (N,); those in which a body has fallen out of its world are removed."""
+        for roots, placed in self._placed.items():
+            rows = np.flatnonzero(going & placed)
+            if roots is None:
+                self._place_all(rows.tolist())
+            elif len(rows):
+                for group, place in roots:
+                    self._place_free(rows, group, place)
+        heights = np.where(self._falls, self.positions[:, :, 2], np.inf)
+        going &= heights.min(axis=1, initial=np.inf) >= self._lowest
 
     def _place_free(self, rows: NDArray[np.int64], group: int, place: int) -> None:
         """Compute the poses of a free body from its positions in the engine, by the functions of `mj_kinematics`."""
@@ -221,9 +224,9 @@ class EngineRows:
 
     def _place_all(self, rows: Sequence[int]) -> None:
         """Compute the poses of all groups."""
-        for row, joints in zip(rows, self.joints[list(rows)], strict=True):
+        for row in rows:
             model, data, qpos, xpos, xmat, positions, rotations, bodies = self._poses[row]
-            qpos[:] = joints
+            qpos[:] = self.joints[row]
             mujoco.mj_kinematics(model, data)
             xpos.take(bodies, 0, positions, "clip")
             xmat.take(bodies, 0, rotations, "clip")

@@ -100,8 +100,13 @@ def euler_rows(m: Sequence[NDArray[np.float64]]) -> tuple[NDArray[np.float64], .
     shape = m[0].shape
     m = [numbers.reshape(-1) for numbers in m]
     # robots on a floor neither roll nor pitch: atan2(y, x) and asin(y) of a zero y are y, if x is positive
-    roll, pitch, yaw = m[7].copy(), -m[6], m[3].copy()
     upright = m[8] > UPRIGHT
+    if upright.all() and m[7].all() and m[3].all():
+        return tuple(
+            angle.reshape(shape)
+            for angle in (portable.arctan2(m[7], m[8]), -portable.arcsin(m[6]), portable.arctan2(m[3], m[0]))
+        )
+    roll, pitch, yaw = m[7].copy(), -m[6], m[3].copy()
     for angle, x in ((roll, m[8]), (yaw, m[0])):
         rows = np.flatnonzero(upright & ~((angle == 0.0) & (x > 0.0)))
         angle[rows] = portable.arctan2(angle[rows], x[rows])

@@ -88,8 +88,8 @@ class PoseRows(NamedTuple):
         """The poses (R, N) of objects in the world, as by `Mounting.carried`."""
         p: list[NDArray[np.float64]] = [self.positions[:, slots, k] for k in range(3)]
         r: list[NDArray[np.float64]] = [self.rotations[:, slots, k] for k in range(9)]
-        apart = np.stack([one.apart for one in self.mountings])
-        if apart.any():
+        if any(one.apart.any() for one in self.mountings):
+            apart = np.stack([one.apart for one in self.mountings])
             own = np.stack([one.numbers for one in self.mountings])
             if len(own) > 1:  # else the places are the same at all moments
                 apart, own = apart[self.places], own[self.places]
