@@ -45,11 +45,11 @@ class Trot(Walk):
         super().__init__(layouts=np.repeat(np.arange(ROWS // 2), 2).tolist())
 
 
-def features(seen):
+def features(seen, scale=SCALE):
     """(N, 8) observations to (N, 11) inputs of the policy."""
     sine, cosine = seen[:, :1], seen[:, 1:2]
     ones = np.ones((len(seen), 1))
-    return np.hstack([np.clip(seen / SCALE, -3.0, 3.0), 2.0 * sine * cosine, cosine**2 - sine**2, ones])
+    return np.hstack([np.clip(seen / scale, -3.0, 3.0), 2.0 * sine * cosine, cosine**2 - sine**2, ones])
 
 
 def actions(weights, seen):
@@ -60,13 +60,13 @@ def actions(weights, seen):
     return chosen
 
 
-def walk(envs, weights, length, seed):
+def walk(envs, weights, length, seed, act=actions):
     """Walk an episode in each row, and return the sums of the rewards, how far each came (m), and who stays up."""
     low, high = envs.single_action_space.low, envs.single_action_space.high
     seen, _ = envs.reset(seed=seed)
     rewards, way, up = np.zeros(len(seen)), np.zeros(len(seen)), np.ones(len(seen), bool)
     for _ in range(length):
-        seen, news, ended, late, infos = envs.step(learn_to_drive.scaled(actions(weights, seen), low, high))
+        seen, news, ended, late, infos = envs.step(learn_to_drive.scaled(act(weights, seen), low, high))
         rewards += up * news
         way[up] = infos["way"][up]
         up &= ~ended
@@ -75,23 +75,33 @@ def walk(envs, weights, length, seed):
     return rewards, way, up
 
 
-def train(rounds=ROUNDS, seed=1, tell=print):
-    """Return the weights (4, 11), and the learning curve: actions, seconds, mean speed ahead (m/s)."""
-    envs = morse.gym.vector(Trot, ROWS, workers=WORKERS)
-    rng, weights = np.random.default_rng(seed), np.zeros((OUTPUTS, INPUTS))
+def search(task, act, shape, rounds, length, seed, tell, noise=NOISE, rate=RATE):
+    """Return weights of a shape, and the learning curve: actions, seconds, mean speed ahead (m/s).
+
+    Args:
+        act: a function like `actions`.
+        length: actions of an episode.
+    """
+    envs = morse.gym.vector(task, ROWS, workers=WORKERS)
+    rng, weights = np.random.default_rng(seed), np.zeros(shape)
     drift, curve, begin = np.zeros_like(weights), [], time.perf_counter()
     for number in range(rounds):
         size = 1.0 - number / rounds / 1.5
-        aside = rng.standard_normal((ROWS // 2, *weights.shape))
-        tried = weights + size * NOISE * np.stack([aside, -aside], axis=1).reshape(ROWS, *weights.shape)
-        rewards, way, _ = walk(envs, tried, LENGTH, 1000 * number)
+        aside = rng.standard_normal((ROWS // 2, *shape))
+        tried = weights + size * noise * np.stack([aside, -aside], axis=1).reshape(ROWS, *shape)
+        rewards, way, _ = walk(envs, tried, length, 1000 * number, act)
         slope = ((rewards[0::2] - rewards[1::2])[:, None, None] * aside).mean(axis=0) / (rewards.std() + 1e-6)
         drift = MOMENTUM * drift + slope
-        weights = weights + size * RATE * drift
-        curve.append(((number + 1) * ROWS * LENGTH, time.perf_counter() - begin, float(way.mean()) / (PERIOD * LENGTH)))
+        weights = weights + size * rate * drift
+        curve.append(((number + 1) * ROWS * length, time.perf_counter() - begin, float(way.mean()) / (PERIOD * length)))
         tell("{:8d} actions, {:4.0f} s, {:5.2f} m/s".format(*curve[-1]))
     envs.close()
     return weights, curve
+
+
+def train(rounds=ROUNDS, seed=1, tell=print):
+    """Return the weights (4, 11), and the learning curve, see `search`."""
+    return search(Trot, actions, (OUTPUTS, INPUTS), rounds, LENGTH, seed, tell)
 
 
 def judge(weights, layouts=range(1000, 1016), seed=9):
@@ -100,6 +110,12 @@ def judge(weights, layouts=range(1000, 1016), seed=9):
     _, way, up = walk(envs, weights, Walk.limit, seed)
     envs.close()
     return way, up
+
+
+def keep(weights, path):
+    """Write weights to a file."""
+    rows = [json.dumps(row) for row in np.round(weights, 4).tolist()]
+    path.write_text("[\n" + ",\n".join(rows) + "\n]\n", encoding="utf-8")
 
 
 def view(weights, path, layout=1000):
@@ -128,8 +144,7 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     if options.learn:
         weights, curve = train(options.rounds, options.seed)
-        rows = [json.dumps(row) for row in np.round(weights, 4).tolist()]
-        options.weights.write_text("[\n" + ",\n".join(rows) + "\n]\n", encoding="utf-8")
+        keep(weights, options.weights)
     weights = np.array(json.loads(options.weights.read_text(encoding="utf-8")))
     way, up = judge(weights)
     print(f"{way.mean():.2f} m in six seconds over unseen ground, at least {way.min():.2f} m; {up.mean():.0%} stay up")

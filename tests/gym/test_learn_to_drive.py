@@ -1,4 +1,4 @@
-"""The example that learns to drive: its gradients, its mirror, a short run, and at night the whole of it."""
+"""The examples that learn: gradients, mirrors, short runs, and at night the whole of it."""
 
 import importlib.util
 import json
@@ -8,6 +8,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+
+import morse
+import morse.gym
 
 ROOT = Path(__file__).parents[2]
 
@@ -150,3 +153,81 @@ def test_it_learns_to_walk(learn_to_walk_example, tmp_path):
     way, up = learn_to_walk_example.main(["--learn", "--weights", str(tmp_path / "weights.json")])
     assert way.mean() > 2.5
     assert up.mean() >= 0.8
+
+
+# -- the example that learns to trot: the same for the ant of Gymnasium
+
+
+@pytest.fixture(scope="module")
+def learn_to_trot_example(learn_to_walk_example):
+    example = loaded("learn_to_trot")
+    if not example.ANT.exists():
+        pytest.skip("this Gymnasium has no ant")
+    return example
+
+
+def test_the_ant_trots_with_the_weights_that_ship(learn_to_trot_example):
+    weights = np.array(json.loads(learn_to_trot_example.WEIGHTS.read_text()))
+    way, up = learn_to_trot_example.judge(weights, rows=6, seed=77)
+    assert up.all()
+    # in six seconds
+    assert way.mean() > 8.0
+    assert way.min() > 5.0
+
+
+def test_without_weights_the_ant_stands(learn_to_trot_example):
+    way, up = learn_to_trot_example.judge(np.zeros((4, 11)), rows=2)
+    assert up.all()
+    assert np.abs(way).max() < 0.2
+
+
+def test_the_diagonals_do_the_same_in_the_mirror(learn_to_trot_example, learn_to_walk_example):
+    rng = np.random.default_rng(5)
+    weights, seen = rng.standard_normal((4, 11)), rng.standard_normal((3, 8))
+    chosen = learn_to_trot_example.actions(weights, seen)
+    mirrored = learn_to_trot_example.actions(weights, seen * learn_to_walk_example.MIRROR)
+    # left and right are exchanged; hips then turn the other way
+    assert mirrored == pytest.approx(chosen[:, [1, 0, 3, 2, 5, 4, 7, 6]] * [-1, -1, -1, -1, 1, 1, 1, 1])
+
+
+def test_the_rows_of_the_ant_go_on_together(learn_to_trot_example):
+    """Without this, learning takes twice as long."""
+    envs, steps, run = morse.gym.vector(learn_to_trot_example.Trot, 4), [], morse.Simulation.step
+    envs.reset(seed=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(morse.Simulation, "step", lambda self, *a, **k: steps.append(self) or run(self, *a, **k))
+        for _ in range(3):
+            envs.step(np.full((4, 8), 0.0, np.float32))
+    envs.close()
+    # the reset has placed the robots, after which each simulation takes a step of its own
+    assert len(steps) == 4
+
+
+def test_a_short_search_for_a_trot(learn_to_trot_example, learn_to_walk_example, monkeypatch):
+    monkeypatch.setattr(learn_to_walk_example, "ROWS", 4)
+    monkeypatch.setattr(learn_to_walk_example, "WORKERS", 0)
+    monkeypatch.setattr(learn_to_trot_example, "LENGTH", 5)
+    weights, curve = learn_to_trot_example.train(rounds=2, tell=print)
+    assert [row[0] for row in curve] == [20, 40]
+    assert np.abs(weights).max() > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_it_learns_to_trot(learn_to_trot_example, tmp_path):
+    way, up = learn_to_trot_example.main(["--learn", "--weights", str(tmp_path / "weights.json")])
+    assert way.mean() > 8.0
+    assert up.mean() >= 0.9
+
+
+@pytest.mark.slow
+def test_stable_baselines_learns_with_it(learn_to_trot_example):
+    pytest.importorskip("stable_baselines3", reason="it is installed in the nightly run: pip install stable-baselines3")
+    from stable_baselines3 import PPO
+
+    envs = morse.gym.baselines(learn_to_trot_example.Trot, 8)
+    model = PPO("MlpPolicy", envs, n_steps=32, batch_size=64, seed=0, device="cpu")
+    model.learn(512)
+    action, _ = model.predict(envs.reset(), deterministic=True)
+    assert envs.action_space.contains(action[0])
+    envs.close()
