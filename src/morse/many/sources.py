@@ -123,6 +123,10 @@ def code_of(parts: Iterable[object]) -> str:
     return code.hexdigest()
 
 
+#: attributes that say where a callable object is
+_PLACE = ("__module__", "__qualname__")
+
+
 class _Code:
     """Collects what runs depend on: values in their order, and the files of functions."""
 
@@ -190,7 +194,8 @@ class _Code:
             self._each([getattr(value, field.name) for field in fields(value) if field.name != "project"])
         elif callable(value):
             self._add_class(kind)
-            self.add(dict(getattr(value, "__dict__", {})))
+            # where other processes find it is not what it does
+            self.add({k: v for k, v in getattr(value, "__dict__", {}).items() if k not in _PLACE})
 
     def _each(self, values: Iterable[object]) -> None:
         for value in values:

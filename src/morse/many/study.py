@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import Options
     from morse.many.results import Table
+    from morse.many.sweeping import Session
     from morse.many.values import Row
 
 #: arguments of `Study` that cannot be parameters
@@ -155,6 +156,38 @@ class Study:
         from morse.many.sweeping import sweep
 
         return sweep(self, folder, workers=workers, executor=executor, progress=progress, attempts=attempts)
+
+    def open(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        workers: int | None = None,
+        executor: Executor | None = None,
+        attempts: int = 3,
+    ) -> Session:
+        """Open a folder for runs that a program chooses one after the other, such as an optimiser or a search.
+
+        ::
+
+            with study.open("results", workers=2) as session:
+                while session.has_room:
+                    session.submit(chosen(), seed=0)
+                for row in session.results():
+                    ...
+
+        The lists of values of the study are not used, only the names of its parameters.
+
+        Args:
+            folder, workers, executor, attempts: see `run`.
+
+        Raises:
+            RuntimeError: another process runs a study in this folder.
+        """
+        if sources.is_loading:
+            raise sources.StopLoading
+        from morse.many.sweeping import Session
+
+        return Session(self, folder, workers, executor, attempts)
 
     def once(self, seed: int = 0, *, record: str | os.PathLike[str] | None = None, **parameters: object) -> Row:
         """Do one run in this process, with any values, and return its row.
