@@ -18,7 +18,7 @@ import numpy as np
 from morse.core.reports.quoting import nearest
 from morse.many.results import write_whole
 from morse.plugins.falsify.expressions import FAR, RequirementError
-from morse.plugins.falsify.scenario import KIND, VERDICTS, violations
+from morse.plugins.falsify.requirements import KIND, VERDICTS, violations
 from morse.plugins.falsify.search import SEARCHES, Archive, Search
 from morse.plugins.falsify.shrinking import Boundary, Shrinking
 from morse.system.regular_files import read_regular
@@ -200,9 +200,7 @@ class Campaign:
     # -- the runs --------------------------------------------------------------------------
 
     def go(self, workers: int | None, executor: Executor | None) -> Found:
-        """Search, and write what was found."""
-        from morse.plugins.falsify.report import write
-
+        """Search; see `morse.plugins.falsify.scenario.Scenario.falsify`."""
         session = self._study.open(self._folder, workers=workers, executor=executor)
         with session:
             self._folder = self.found.folder = session.folder
@@ -223,7 +221,6 @@ class Campaign:
             ]
             self._conclude()
             self._record()
-        write(self.found)
         return self.found
 
     def _claim(self) -> None:
@@ -272,7 +269,7 @@ class Campaign:
     def _without_effect(self) -> list[str]:
         """The parameters of which no value makes a difference, neither with the defaults nor near failures."""
         rows = self._session.rows
-        order = np.argsort(self._archive.robustness.min(axis=1), kind="stable") if self._archive.count else []
+        order: list[int] = np.argsort(self._archive.robustness.min(axis=1), kind="stable").tolist()
         bases = [point_of(self._scenario, rows[index]) for index in [*order[:2], *order[len(order) // 2 :][:1]]]
         idle = []
         for axis in self._space.free:

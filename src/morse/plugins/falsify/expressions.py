@@ -20,6 +20,8 @@ from morse.core.reports.quoting import nearest, quoted
 FAR = 1e9
 #: longest text, and greatest exponent
 _LONGEST, _GREATEST_EXPONENT = 1000, 16
+#: levels of a syntax tree
+_DEEPEST = 60
 
 #: the value of a name, given its parts: ``("robot", "pose", "x")``
 Look: TypeAlias = Callable[[tuple[str, ...]], Any]
@@ -132,10 +134,9 @@ class Expression:
         except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
             reason = error.msg if isinstance(error, SyntaxError) else "it is nested too deeply"
             raise RequirementError(f"{quoted(self.text)} is no expression of Python: {reason}") from None
-        try:
-            self._root = self._root_of(tree.body)
-        except RecursionError:
-            raise RequirementError(f"{quoted(self.text)} is nested too deeply") from None
+        if _depth(tree) > _DEEPEST:
+            raise RequirementError(f"{quoted(self.text)} is nested too deeply")
+        self._root = self._root_of(tree.body)
 
     def _root_of(self, node: ast.expr) -> _Condition:
         return self._condition(node)
@@ -264,8 +265,9 @@ class Expression:
             inner, method = self._value(called.value), _METHODS[called.attr]
             return lambda look: method(self._numbers(called.value, inner(look)))
         if not isinstance(called, ast.Name) or called.id not in _FUNCTIONS:
-            name = ast.unparse(called)
-            known = [*_FUNCTIONS, *(f".{name}()" for name in _METHODS)]
+            is_method = isinstance(called, ast.Attribute)
+            name = called.attr if isinstance(called, ast.Attribute) else ast.unparse(called)
+            known = [*_METHODS] if is_method else [*_FUNCTIONS]
             raise self._refused(node, f"calls {quoted(name)}, which requirements do not know{nearest(name, known)}")
         count, function = _FUNCTIONS[called.id]
         if len(arguments) != count if count >= 0 else not arguments:
@@ -351,6 +353,14 @@ class Quantity(Expression):
     def value(self, look: Look) -> float:
         """Return the present value; see `Expression.judge`."""
         return self._root(look).robustness
+
+
+def _depth(tree: ast.AST) -> int:
+    depth, level = 0, [tree]
+    while level and depth <= _DEEPEST:
+        level = [child for node in level for child in ast.iter_child_nodes(node)]
+        depth += 1
+    return depth
 
 
 def _is_bool(node: ast.AST) -> bool:

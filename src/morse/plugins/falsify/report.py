@@ -19,7 +19,7 @@ from morse.core.reports.quoting import escaped
 from morse.many import Table
 from morse.many.results import write_whole
 from morse.plugins.falsify.campaign import kinds_of, point_of, shown
-from morse.plugins.falsify.scenario import VERDICTS
+from morse.plugins.falsify.requirements import VERDICTS
 
 if TYPE_CHECKING:
     from morse.plugins.falsify.campaign import Failure, Found

@@ -18,6 +18,12 @@ if TYPE_CHECKING:
 
     from morse import Simulation
 
+#: the column of the results with what each requirement was
+VERDICTS = "requirements"
+#: the column with the texts that a run returns: failures with different texts are of different kinds
+KIND = "kind"
+#: longest text of a result that tells kinds of failures apart
+LONGEST_TEXT = 80
 #: how a requirement is judged
 ALWAYS, EVENTUALLY, SIGNALS = "always", "eventually", "signals"
 #: names of what each run has, besides its parameters and results
@@ -93,6 +99,19 @@ def requirement(
     return Requirement(title, mode, condition, within, where, bool(results), expression)
 
 
+def violations(row: Mapping[str, Any]) -> list[str]:
+    """Say what a run violates, a line each; an empty list if it violates nothing."""
+    if row["error"]:
+        return [f"{row['error']} {row['where']}".strip()]
+    lines = []
+    for name, (holds, robustness, time) in row[VERDICTS].items():
+        if not holds:
+            extent = "it is not a number" if robustness is None else f"by {-robustness:.4g}"
+            when = "" if time is None else f" at {time:.2f} s"
+            lines.append(f"{name}: violated{when}, {extent}")
+    return lines
+
+
 class Monitor(Observer):
     """Judges the requirements of a run in each tick.
 
@@ -112,7 +131,7 @@ class Monitor(Observer):
         self._requirements = requirements
         self._in_ticks = [one for one in requirements if not one.of_results and one.mode != SIGNALS]
         self._formulas = [Formula(one, signals) for one in requirements if one.mode == SIGNALS]
-        self._worst: dict[str, tuple[bool, float, float]] = {}
+        self._worst: dict[str, tuple[bool, float, float | None]] = {}
         self._components: dict[tuple[str, ...], Callable[[], Any]] = {}
         self._kept: dict[tuple[str, ...], Any] = {}
         self._tick = -1
@@ -166,7 +185,7 @@ class Monitor(Observer):
 
         Returns:
             For each requirement whether it holds, its robustness (None if it is not a number), and the simulated
-            time, s.
+            time, s (None if it was judged at the end).
 
         Raises:
             RequirementError: a requirement names something that does not exist.
@@ -176,7 +195,7 @@ class Monitor(Observer):
             self._worst[formula.requirement.name] = (*formula.judge(results), time)
         for one in self._requirements:
             if one.of_results:
-                self._worst[one.name] = (*self._of_results(one, results), time)
+                self._worst[one.name] = (*self._of_results(one, results), None)
             elif one.name not in self._worst:
                 # no tick has passed, or its sensors have never measured
                 self._worst[one.name] = (False, math.nan, time)

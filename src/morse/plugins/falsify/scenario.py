@@ -14,7 +14,18 @@ from morse.core.reports.quoting import nearest
 from morse.many import Study
 from morse.many.sources import imported
 from morse.plugins.falsify.expressions import Quantity, RequirementError
-from morse.plugins.falsify.requirements import ALWAYS, EVENTUALLY, SIGNALS, Monitor, Requirement, requirement
+from morse.plugins.falsify.requirements import (
+    ALWAYS,
+    EVENTUALLY,
+    KIND,
+    LONGEST_TEXT,
+    SIGNALS,
+    VERDICTS,
+    Monitor,
+    Requirement,
+    requirement,
+    violations,
+)
 from morse.plugins.falsify.space import Space
 
 if TYPE_CHECKING:
@@ -27,12 +38,6 @@ if TYPE_CHECKING:
     from morse.core.values import Options
     from morse.plugins.falsify.campaign import Found
 
-#: the column of the results with what each requirement was
-VERDICTS = "requirements"
-#: the column with the texts that a run returns: failures with different texts are of different kinds
-KIND = "kind"
-#: longest text of a result that tells kinds of failures apart
-_LONGEST_TEXT = 80
 #: wall-clock time after which a run fails, s
 _TIMEOUT = 120.0
 
@@ -209,6 +214,7 @@ class Scenario:
         Raises:
             ViolatedError: it violates a requirement, or raises an error; the message says which, how far, and when.
         """
+        __tracebackhide__ = True
         row = self.once(seed, record=record, **parameters)
         violated = violations(row)
         if violated:
@@ -248,10 +254,12 @@ class Scenario:
             ValueError: the folder contains results of another scenario, or an argument is none of the above.
         """
         from morse.plugins.falsify.campaign import Campaign
+        from morse.plugins.falsify.report import write
 
-        return Campaign(self, Path(folder), budget, runs, search, whole_budget=whole_budget, progress=progress).go(
-            workers, executor
-        )
+        campaign = Campaign(self, Path(folder), budget, runs, search, whole_budget=whole_budget, progress=progress)
+        found = campaign.go(workers, executor)
+        write(found)
+        return found
 
 
 class Monitored:
@@ -285,20 +293,8 @@ class Monitored:
         for name in (VERDICTS, KIND):
             if name in results:
                 raise RequirementError(f"a result cannot be called '{name}': it is another column of the table")
-        texts = [f"{name}={value:.{_LONGEST_TEXT}}" for name, value in results.items() if isinstance(value, str)]
+        texts = [f"{name}={value:.{LONGEST_TEXT}}" for name, value in results.items() if isinstance(value, str)]
         return {**results, VERDICTS: monitor.verdicts(results), KIND: ", ".join(texts)}
-
-
-def violations(row: Mapping[str, Any]) -> list[str]:
-    """Say what a run violates, a line each; an empty list if it violates nothing."""
-    if row["error"]:
-        return [f"{row['error']} {row['where']}".strip()]
-    lines = []
-    for name, (holds, robustness, time) in row[VERDICTS].items():
-        if not holds:
-            extent = "it is not a number" if robustness is None else f"by {-robustness:.4g}"
-            lines.append(f"{name}: violated at {time:.2f} s, {extent}")
-    return lines
 
 
 def _nothing(simulation: object) -> None:

@@ -143,7 +143,7 @@ class Axis:
             step = 10.0 ** (math.floor(math.log10(max(abs(value), 1e-12))) - digits + 1)
             number = math.ceil(value / step) if value >= away_from else math.floor(value / step)
             short = float(f"{number * step:.{digits + 1}g}")
-            if low <= short <= high and abs(short - value) <= 0.03 * (high - low):
+            if low <= short <= high and abs(short - value) <= 0.01 * (high - low):
                 yield short
 
 
