@@ -228,6 +228,7 @@ class Session(Driver):
         attempts: int,
     ) -> None:
         self._runs_of = study
+        self._under_way: set[tuple[str, bool]] = set()
         count = _count(workers, executor)
         ledger = Ledger(Path(folder).resolve())
         try:
@@ -265,7 +266,7 @@ class Session(Driver):
                 whether it has ended in the same state.
 
         Returns:
-            The row, if the folder contains it already; None if `results` will return it.
+            The row, if the folder contains it already; None if `results` will return it, once.
 
         Raises:
             TypeError: these are not the parameters of the study, or they are not plain data.
@@ -282,6 +283,9 @@ class Session(Driver):
             raise LookupError(f"the run {run.name} has not been done yet: submit it without a recording first")
         if before is not None and not record:
             return before
+        if (run.name, record) in self._under_way:
+            return None
+        self._under_way.add((run.name, record))
         self._dispatcher.submit(self._recorded(run) if record else Task(run))
         return None
 
@@ -290,8 +294,13 @@ class Session(Driver):
         while self._waiting and self._dispatcher.has_room:
             self._dispatcher.submit(self._waiting.popleft())
         done = list(self._dispatcher.results(timeout))
-        rows = [self._take(task, row, self._dispatcher.problem) for task, row in done]
-        return [row for row in rows if row is not None]
+        rows = []
+        for task, result in done:
+            row = self._take(task, result, self._dispatcher.problem)
+            if row is not None:
+                self._under_way.discard((task.run.name, task.record is not None))
+                rows.append(row)
+        return rows
 
     def close(self) -> None:
         """End the runs that are under way, and release the folder."""

@@ -8,16 +8,17 @@ import subprocess
 import sys
 import xml.etree.ElementTree
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
 import pytest
 
-from morse.many import Scenario, Study, choice, read_scenario, uniform
+from morse.many import Scenario, read_scenario, uniform
 from morse.many.sources import imported
 from morse.plugins.falsify import command as falsify_command
 from morse.plugins.falsify.expressions import RequirementError
-from tests.kit.programs import BESIDE, python
+from tests.kit.programs import python
 from tests.kit.waiting import wait_until
+
+pytestmark = pytest.mark.long
 
 #: a robot drives for 1 s, which is v m, and turns away from a wall that it believes at a distance
 SCENE = """
@@ -63,7 +64,7 @@ def test_the_smallest_case_is_at_the_boundary_and_everything_is_written(script, 
     (failure,) = found.failures
     assert failure is found.smallest
     # x = v t: the robot is at 1.2 m after 1 s with 1.2 m/s
-    assert (failure.parameters["load"], failure.parameters["floor"], failure.parameters["seed"]) == (0.2, "dry", 0)
+    assert (failure.parameters["load"], failure.parameters["floor"], failure.parameters["seed"]) == (0.0, "dry", 0)
     assert 1.15 < failure.parameters["speed"] < 1.25
     boundary = failure.boundaries["speed"]
     assert boundary.passes < boundary.fails <= boundary.passes + 0.02
@@ -79,7 +80,8 @@ def test_the_smallest_case_is_at_the_boundary_and_everything_is_written(script, 
     assert len((folder / "runs.csv").read_text().splitlines()) == 1 + len(found.rows)
     suite = xml.etree.ElementTree.parse(folder / "junit.xml").getroot()
     assert (suite.get("tests"), suite.get("failures")) == ("1", "1")
-    assert not any("no effect" in remark for remark in found.remarks)
+    # the scene has no noise; loads count on wet floors alone
+    assert [remark[:34] for remark in found.remarks] == ["the parameter 'seed' has no effect"]
 
 
 def test_its_test_fails_until_the_software_is_mended(script, tmp_path):
@@ -93,15 +95,16 @@ def test_its_test_fails_until_the_software_is_mended(script, tmp_path):
     assert mended.returncode == 0, mended.stdout
 
 
-EIGHT = DRIVE.replace('"robot.pose.x < 1.2"', '"robot.pose.x < 5"').replace("sim.step(60)", "sim.step(60); time.sleep(0.02)")
+#: the same, which never fails
+SAFE = DRIVE.replace('"robot.pose.x < 1.2"', '"robot.pose.x < 5"')
 
 
 def test_it_continues_after_the_death_of_its_process(script, tmp_path):
-    script(EIGHT)
+    script(SAFE)
     words = ["falsify", str(tmp_path / "driving.py"), "-o", str(tmp_path / "r"), "--workers", "2"]
     program = [sys.executable, "-m", "morse", *words]
     rows = tmp_path / "r" / "rows.jsonl"
-    with subprocess.Popen([*program, "--budget", "600"], stderr=subprocess.DEVNULL, **BESIDE) as first:
+    with subprocess.Popen([*program, "--budget", "600"], stderr=subprocess.DEVNULL) as first:
         wait_until(lambda: rows.is_file() and rows.read_bytes().count(b"\n") >= 8, 60)
         os.kill(first.pid, signal.SIGKILL)
         first.wait()
@@ -150,11 +153,14 @@ def test_a_requirement_that_cannot_be_judged_is_named_with_its_line(script, tmp_
     [
         ('scenario.always("robot.pose.x <")', "is no expression of Python"),
         ('scenario.always("open(1) < 2")', "calls 'open', which requirements do not know"),
-        ('scenario.always("robot.pose.x < x")', "mixes robot.pose.x, which has a value in each tick, with the result 'x'"),
+        (
+            'scenario.always("robot.pose.x < x")',
+            "mixes robot.pose.x, which has a value in each tick, with the result 'x'",
+        ),
         ('scenario.always("robot.pose.x < 1.2")', "there is a requirement 'robot.pose.x < 1.2' already"),
         ("scenario.always(3)", "a requirement is a text or a function, not 3"),
         ('scenario.eventually("x > 1", within=-1)', "within is a time in seconds"),
-        ('Scenario(scene, run, sped=uniform(0.0, 1.0))', "no one uses the parameter 'sped'; did you mean 'speed'?"),
+        ("Scenario(scene, run, sped=uniform(0.0, 1.0))", "no one uses the parameter 'sped'; did you mean 'speed'?"),
         ("Scenario(scene, run, speed=range(0))", "the parameter 'speed' has no values"),
         ("Scenario(scene, run, speed=uniform(3, 1))", "uniform: two finite limits, the lower one first"),
         ("Scenario(scene)", "either a function of a simulation, run, or a duration"),
@@ -184,7 +190,7 @@ def test_what_a_search_does_not_take(script, tmp_path):
         with pytest.raises(ValueError, match=message):
             scenario.falsify(tmp_path / "r", **arguments)
     with pytest.raises(ValueError, match="the scenario requires nothing"):
-        script(DRIVE.partition("scenario.always")[0]).falsify(tmp_path / "r2")
+        script(DRIVE.partition("scenario.always")[0], "nothing").falsify(tmp_path / "r2")
     with pytest.raises(RequirementError, match=r"there is no file .*drivin.py; did you mean 'driving.py'"):
         read_scenario(tmp_path / "drivin.py")
 
@@ -194,7 +200,7 @@ def test_what_the_user_has_to_know(script, tmp_path):
 def run(sim, speed=0.5, colour=0.0):
     sim.robot.motion.publish({"v": speed})
     sim.step(6)
-    return {"quotient": speed / 0.0 if False else float("nan") if speed > 1.0 else 1.0}
+    return {"quotient": float("nan") if speed > 1.0 else 1.0}
 
 scenario = Scenario(scene, run, speed=uniform(0.1, 2.0), colour=uniform(0.0, 1.0))
 scenario.always("robot.pose.x < -1", name="never")
@@ -209,9 +215,7 @@ scenario.always("quotient > 0")
     assert "the parameter 'speed'" not in remarks
     quotient = next(failure for failure in found.failures if failure.kind == "quotient > 0")
     assert 1.0 < quotient.parameters["speed"] <= 1.02
-    assert quotient.what == ["never: violated at 0.02 s, by 1", "quotient > 0: violated, it is not a number"] or (
-        "quotient > 0: violated, it is not a number" in quotient.what
-    )
+    assert "quotient > 0: violated, it is not a number" in quotient.what
 
 
 def test_kinds_of_failures_are_told_apart(script, tmp_path):
@@ -293,7 +297,7 @@ scenario.require("always (robot.pose.x < 2)", name="near")
     other = next(speed for kind, speed in smallest.items() if kind != "near")
     # from 1 m on it has to be back at 0.9 m within 1 s: it is at v (2 - t) then
     assert 1.0 <= other <= 2.1
-    with pytest.raises(RequirementError, match=r"driving.py:\d+: rtamt refuses 'always \[ d'"):
+    with pytest.raises(RequirementError, match=r"wrong.py:\d+: rtamt refuses 'always \[ d'"):
         script(text + 'scenario.require("always [ d")', "wrong").falsify(tmp_path / "w", runs=2, workers=0)
     with pytest.raises(RequirementError, match=r"there is no signal and no result 'dd'"):
         script(text + 'scenario.require("always (dd > 1)")', "other").falsify(tmp_path / "o", runs=2, workers=0)
@@ -390,7 +394,10 @@ def test_the_command(script, tmp_path):
     own = python("driving.py", folder=tmp_path)
     assert (own.returncode, own.stderr) == (0, ""), own.stderr
     assert int(own.stdout) >= 3
-    assert python("-m", "morse", "falsify", "driving.py", "-o", "r2", "--runs", "3", folder=tmp_path).returncode in (0, 3)
+    assert python("-m", "morse", "falsify", "driving.py", "-o", "r2", "--runs", "3", folder=tmp_path).returncode in (
+        0,
+        3,
+    )
 
 
 def test_a_full_disk_is_said(script, tmp_path, monkeypatch):
@@ -400,23 +407,25 @@ def test_a_full_disk_is_said(script, tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr("morse.many.results.Ledger.add", full)
-    with pytest.raises(falsify_command.FalsifyError, match="No space left on device.*the same command continues"):
+    with pytest.raises(falsify_command.FalsifyError, match=r"(?s)No space left on device.*the same command continues"):
         falsify_command.command(str(tmp_path / "driving.py"), tmp_path / "r", runs=3, workers=0)
 
 
 def test_files_of_a_folder_are_data(script, tmp_path):
     """Names of requirements and texts of results are foreign text in pages, tests and XML."""
-    text = '''
+    text = (
+        """
 def run(sim, speed=0.2):
     sim.robot.motion.publish({"v": speed})
     sim.step(6)
-    return {"hit": "</script><script>alert(1)</script>\\x1b[31m\\n'''  + "'" * 3 + '''"}
+    return {"hit": "</script><script>alert(1)</script>\\x1b[31m\\n"""
+        + "'" * 3
+        + '''"}
 
-scenario = Scenario(scene, run, speed=uniform(0.1, 3.0), word=["</td><script>", "a\\nb"]) if False else Scenario(
-    scene, run, speed=uniform(0.1, 3.0)
-)
+scenario = Scenario(scene, run, speed=uniform(0.1, 3.0))
 scenario.always("robot.pose.x < 0.2", name='"""\\nimport os\\nos.abort()\\n<script>\\x00')
 '''
+    )
     found = script(text).falsify(tmp_path / "r", runs=30, workers=0)
     assert found.failures
     page = (tmp_path / "r" / "report.html").read_text()
@@ -445,4 +454,3 @@ def test_names_of_packages_in_many():
         exec("from morse.many import Scenari")
     with pytest.raises(AttributeError, match=r"module 'morse.many' has no attribute 'Scenari'"):
         print(morse.many.Scenari)
-    assert Study and Path and choice

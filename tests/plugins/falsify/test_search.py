@@ -1,4 +1,4 @@
-"""What the choice of points finds, how cases become plain, and parameters as places from 0 to 1. Without simulations."""
+"""What the choice of points finds, how cases become plain, and parameters as places from 0 to 1."""
 
 import math
 

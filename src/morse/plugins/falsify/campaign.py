@@ -21,6 +21,7 @@ from morse.plugins.falsify.expressions import FAR, RequirementError
 from morse.plugins.falsify.requirements import KIND, VERDICTS, violations
 from morse.plugins.falsify.search import SEARCHES, Archive, Search
 from morse.plugins.falsify.shrinking import Boundary, Shrinking
+from morse.plugins.falsify.space import halton
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ FACTS = "scenario.json"
 _MOST_KINDS, _MOST_STEPS = 20, 400
 #: proposals in a row that had all been tried, after which all cases are listed
 _MOST_REPEATED = 50
+#: cases in which a parameter is changed alone, to see whether it has an effect
+_BASES = 10
 #: wall-clock time to wait for runs at once, and between two lines about the progress, s
 _WAIT, _REPORT = 0.2, 1.0
 #: longest file of facts, bytes
@@ -216,7 +219,7 @@ class Campaign:
             self.found.spent = before + time.monotonic() - begin
             self.found.rows = session.rows
             self.found.remarks += [
-                f"the parameter '{name}' has no effect: runs that differ in it alone end in the same state"
+                f"the parameter '{name}' has no effect: runs that differ in it alone end in the same way"
                 for name in idle
             ]
             self._conclude()
@@ -270,15 +273,16 @@ class Campaign:
         """The parameters of which no value makes a difference, neither with the defaults nor near failures."""
         rows = self._session.rows
         order: list[int] = np.argsort(self._archive.robustness.min(axis=1), kind="stable").tolist()
-        bases = [point_of(self._scenario, rows[index]) for index in [*order[:2], *order[len(order) // 2 :][:1]]]
+        bases = [point_of(self._scenario, rows[index]) for index in order[:: max(1, len(order) // _BASES)]]
+        bases += [self._space.point(halton(number, len(self._space.free))) for number in range(_BASES)]
         idle = []
         for axis in self._space.free:
             default = self._row_of(self._space.defaults)
             ends = [self._space.defaults | {axis.name: value} for value in _ends(axis)]
-            if not all(_is_same(self._row_of(end), default) for end in ends):
+            if not all(_is_same(self._row_of(end), default, axis) for end in ends):
                 continue
             changes = [(base, base | {axis.name: value}) for base in bases for value in _ends(axis)]
-            if all(_is_same(self._row_of(base), self._row_of(other)) for base, other in changes):
+            if all(_is_same(self._row_of(base), self._row_of(other), axis) for base, other in changes):
                 idle.append(axis.name)
         return idle
 
@@ -487,8 +491,10 @@ def _ends(axis: Axis) -> list[Any]:
     return [value for value in values if value != axis.default]
 
 
-def _is_same(row: _Row, other: _Row) -> bool:
-    return bool(row["hash"]) and row["hash"] == other["hash"] and row.get(VERDICTS) == other.get(VERDICTS)
+def _is_same(row: _Row, other: _Row, axis: Axis) -> bool:
+    # the seed itself is a part of the state
+    is_state_same = axis.name == "seed" or row["hash"] == other["hash"]
+    return bool(row["hash"]) and is_state_same and row.get(VERDICTS) == other.get(VERDICTS)
 
 
 def _nothing(_row: _Row) -> None:

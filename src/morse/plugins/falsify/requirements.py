@@ -214,13 +214,15 @@ class Monitor(Observer):
                 return self._parameters[parts[0]]
             if parts[0] not in results:
                 known = nearest(parts[0], [*results, *self._parameters])
-                raise RequirementError(f"{one.where}: the run returns no '{parts[0]}'{known}")
+                raise RequirementError(f"the run returns no '{parts[0]}'{known}")
             return results[parts[0]]
 
         try:
             return one.expression.judge(look)
         except NotYetError:
             return Verdict(False, math.nan)
+        except RequirementError as error:
+            raise RequirementError(f"{one.where}: {error}") from None
 
     # -- names -----------------------------------------------------------------------------
 
