@@ -803,3 +803,49 @@ def test_packs_are_small_at_the_end_but_not_too_small_for_the_driver(workers, ti
             assert (size + 1) * max(time, 1e-3) >= handing_out
         # twenty seconds of work, or as long as handing out takes
         assert size == 1 or size * max(time, 1e-3) <= max(20.0, handing_out)
+
+
+def test_a_session_does_the_runs_that_a_program_chooses(tmp_path, pids):
+    study = study_of(tmp_path)
+    with study.open(tmp_path / "r", workers=2) as session:
+        begun = [{"start": 0.0, "gain": 0.8, "speed": speed} for speed in (0.1, 0.4, 0.9)]
+        for parameters in begun:
+            assert session.submit(parameters, 3) is None
+        assert session.submit(begun[0], 3) is None, "it is under way: once is enough"
+        rows = []
+        while session.is_busy:
+            rows += session.results()
+        assert sorted(row["speed"] for row in rows) == [0.1, 0.4, 0.9]
+        assert session.has_room
+        known = session.submit(begun[0], 3)
+        assert known in rows
+        assert session.submit(begun[0], 3, record=True) is None
+        while session.is_busy:
+            recorded = session.results()
+        assert recorded[0]["same"] is True
+        assert (tmp_path / "r" / recorded[0]["recording"]).stat().st_size > 0
+        with pytest.raises(TypeError, match="the parameters are start, gain, speed, not gain"):
+            session.submit({"gain": 1.0})
+        with pytest.raises(LookupError, match="has not been done yet"):
+            session.submit(begun[0], 4, record=True)
+        with pytest.raises(RuntimeError, match="another process is running a study"):
+            study.open(tmp_path / "r")
+    with study.open(tmp_path / "r", workers=0) as session:
+        assert len(session.rows) == 3
+        assert session.submit(begun[1], 3)["speed"] == 0.4
+        assert session.submit({"start": 0.0, "gain": 1.6, "speed": 0.5}, 1) is None
+        (failed,) = session.results()
+        assert failed["error"].startswith("RuntimeError: crash at")
+        assert not failed["recording"]
+
+
+def test_a_script_that_opens_a_session_itself_is_a_study_for_its_workers(tmp_path, pids):
+    text = STUDY + (
+        '\nwith study.open("r", workers=1) as session:\n'
+        '    session.submit({"start": 0.0, "gain": 0.8, "speed": 0.3})\n'
+        "    (row,) = session.results(60)\n"
+        '    print(row["error"], row["ticks"])\n'
+    )
+    (tmp_path / "own.py").write_text(text)
+    done = python("own.py", folder=tmp_path)
+    assert (done.stdout, done.stderr) == (" 30\n", "")
