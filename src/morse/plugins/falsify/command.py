@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from morse.core.exceptions import MorseError
-from morse.core.reports import log
 from morse.core.reports.faults import describe
+from morse.core.reports.log import setup
 from morse.core.reports.printing import echo, harmless_paragraph
 from morse.plugins.falsify.report import PAGE, summary
 from morse.plugins.falsify.scenario import read_scenario
@@ -62,7 +62,7 @@ def command(
     exit status is 3 if something has failed.
     """
     scenario = read_scenario(file, name)
-    log.setup(level="WARNING")
+    setup(level="WARNING")
     executor: Any = None
     try:
         if ray is not None:
