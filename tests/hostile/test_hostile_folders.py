@@ -16,6 +16,7 @@ from morse.recording.mcap.writer import McapWriter
 from morse.system.free_names import free_path
 from morse.system.regular_files import RefusedFileError, check_default_name
 from morse.system.workers import command
+from tests.kit.programs import commands
 
 ROBOT = """<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"
 iyz="0"/></inertial><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"""
@@ -116,60 +117,53 @@ def test_a_name_that_the_user_has_not_chosen_leads_nowhere(tmp_path: Path, kind:
     assert free_path(path) == path.with_stem("robot_check_2")
 
 
-@pytest.mark.parametrize(
-    ("words", "name"),
-    [
-        ("check robot.urdf", "robot_check.png"),
-        ("render robot.urdf", "picture.png"),
-        ("import-world -f world.sdf", "scene.py"),
-        ("import-world world.sdf", "scene.py"),
-        ("export --foxglove-layout run.mcap", "run-layout.json"),
-        ("export --film run.mcap", "run.gif"),
-        ("export --mcap run.mcap", "run-complete.mcap"),
-        ("export --csv run.mcap", "run"),
-    ],
-)
-@pytest.mark.parametrize("exists", [True, False], ids=["present", "dangling"])
-def test_no_command_writes_through_a_link_that_came_with_a_folder(
-    tmp_path: Path, words: str, name: str, exists: bool
-) -> None:
-    precious, downloads = tmp_path / "precious", tmp_path / "downloads"
-    downloads.mkdir()
-    (downloads / "robot.urdf").write_text(ROBOT)
+def test_no_command_writes_through_a_link_that_came_with_a_folder(tmp_path: Path) -> None:
     world = '<sdf version="1.7"><world name="$(touch evil)"><model name="m"><link name="l"/></model></world></sdf>'
-    (downloads / "world.sdf").write_text(world)
-    with open(downloads / "run.mcap", "wb", buffering=0) as file:
-        McapWriter(file).finish()
-    (downloads / name).symlink_to(precious)
-    if exists:
-        precious.write_text("mine")
-    program = [sys.executable, "-P", "-c", "from morse.cli import main; main()", *words.split()]
-    done = subprocess.run(program, cwd=downloads, capture_output=True, check=False, timeout=60, text=True)
-    assert "Traceback" not in done.stderr
-    if exists:
-        assert precious.read_text() == "mine"
-    else:
-        assert not precious.exists()
-    assert done.returncode != 0
+    links = {
+        "check robot.urdf": "robot_check.png",
+        "render robot.urdf": "picture.png",
+        "import-world -f world.sdf": "scene.py",
+        "import-world world.sdf": "scene.py",
+        "export --foxglove-layout run.mcap": "run-layout.json",
+        "export --film run.mcap": "run.gif",
+        "export --mcap run.mcap": "run-complete.mcap",
+        "export --csv run.mcap": "run",
+    }
+    lines = []
+    for exists in (True, False):
+        for words, name in links.items():
+            downloads = tmp_path / str(len(lines)) / "downloads"
+            downloads.mkdir(parents=True)
+            (downloads / "robot.urdf").write_text(ROBOT)
+            (downloads / "world.sdf").write_text(world)
+            with open(downloads / "run.mcap", "wb", buffering=0) as file:
+                McapWriter(file).finish()
+            precious = downloads.parent / "precious"
+            (downloads / name).symlink_to(precious)
+            if exists:
+                precious.write_text("mine")
+            lines.append((downloads, words.split()))
+    for (downloads, words_of_line), outcome in zip(lines, commands(lines), strict=True):
+        precious = downloads.parent / "precious"
+        exists = int(downloads.parent.name) < len(links)
+        assert precious.read_text() == "mine" if exists else not precious.exists(), words_of_line
+        assert outcome.status != 0, words_of_line
+        assert "Traceback" not in outcome.err, words_of_line
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        "export --html run.mcap run.mcap",
-        "export --foxglove-layout -o ./run.mcap run.mcap",
-        "export --mcap -o link.mcap run.mcap",
-        "import-world -f -o world.sdf world.sdf",
-    ],
-)
-def test_no_command_writes_the_file_that_it_reads(tmp_path: Path, words: str) -> None:
+def test_no_command_writes_the_file_that_it_reads(tmp_path: Path) -> None:
     with open(tmp_path / "run.mcap", "wb", buffering=0) as file:
         McapWriter(file).finish()
     (tmp_path / "link.mcap").symlink_to("run.mcap")
     (tmp_path / "world.sdf").write_text('<sdf version="1.7"><world name="w"/></sdf>')
     before = [(tmp_path / name).read_bytes() for name in ("run.mcap", "world.sdf")]
-    program = [sys.executable, "-P", "-c", "from morse.cli import main; main()", *words.split()]
-    done = subprocess.run(program, cwd=tmp_path, capture_output=True, check=False, timeout=60, text=True)
-    assert done.returncode == 2
-    assert "is the file that is read" in " ".join(done.stderr.split())
+    lines = [
+        "export --html run.mcap run.mcap",
+        "export --foxglove-layout -o ./run.mcap run.mcap",
+        "export --mcap -o link.mcap run.mcap",
+        "import-world -f -o world.sdf world.sdf",
+    ]
+    for line, outcome in zip(lines, commands((tmp_path, line.split()) for line in lines), strict=True):
+        assert outcome.status == 2, line
+        assert "is the file that is read" in " ".join(outcome.err.split()), line
     assert [(tmp_path / name).read_bytes() for name in ("run.mcap", "world.sdf")] == before

@@ -183,15 +183,15 @@ PLACES: dict[str, Callable[[Received], tuple[str, bytes]]] = {
 KINDS: dict[str, dict[str, Any]] = {"new": {}, "old": {"without": ["scene/"]}, "lean": {"without": ["scene/"]}}
 
 
-@pytest.mark.parametrize("place", PLACES)
-def test_no_program_is_executed_that_a_recording_names(received: Received, place: str) -> None:
-    script, content = PLACES[place](received)
-    facts = {"script": script, "arguments": json.dumps(COMMAND), "source_paths": json.dumps([str(received.folder)])}
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_program_is_executed_that_a_recording_names(received: Received, kind: str) -> None:
     commands = []
-    for kind, changes in KINDS.items():
+    for number, place in enumerate(PLACES.values()):
+        script, content = place(received)
+        facts = {"script": script, "arguments": json.dumps(COMMAND), "source_paths": json.dumps([str(received.folder)])}
         source = received.folder / ("lean.mcap" if kind == "lean" else "run.mcap")
-        name = f"{kind}-{list(PLACES).index(place)}.mcap"
-        received.forged(name, source, facts=facts, attachments={"scene.py": content}, **changes)
+        name = f"{kind}-{number}.mcap"
+        received.forged(name, source, facts=facts, attachments={"scene.py": content}, **KINDS[kind])
         commands += uses(name)
     outcomes = received.read(*commands)
     for words, outcome in zip(commands, outcomes, strict=True):

@@ -3,11 +3,8 @@
 import ast
 import json
 import logging
-import os
 import shutil
 import struct
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,6 +15,7 @@ from morse.core.reports.log import MorseFormatter
 from morse.core.reports.printing import console, echo, harmless, harmless_paragraph
 from morse.recording.mcap import records
 from morse.recording.recorder import BEGINNING, FORMAT, PRESENT
+from tests.kit.programs import commands
 
 SOURCE = Path(morse.__file__).parent
 #: window title, clipboard, colours, back to the beginning, C1, direction, no width, other ends of lines
@@ -164,21 +162,18 @@ DOORS: dict[str, tuple[Callable[[Path, str], Path], tuple[str, ...]]] = {
 }
 
 
-@pytest.mark.parametrize("door", DOORS)
-def test_names_of_others_are_escaped_by_each_command(tmp_path: Path, door: str) -> None:
-    make, words = DOORS[door]
+def test_names_of_others_are_escaped_by_each_command(tmp_path: Path) -> None:
     name = "".join(text for key, text in EVIL.items() if "\r" not in text and "lines" not in key)
-    folder = tmp_path / "work"
-    folder.mkdir()
-    path = make(folder, name)
-    more = (str(tmp_path / "out"),) if "--csv" in words else ()
-    command = [sys.executable, "-m", "morse", words[0], str(path), *words[1:], *more]
-    environment = {**os.environ, "PYTHONIOENCODING": "utf-8:surrogatepass", "MORSE_SOCKET_PORT": "0"}
-    result = subprocess.run(
-        command, cwd=folder, capture_output=True, timeout=120, check=False, env=environment, stdin=subprocess.DEVNULL
-    )
-    printed = (result.stdout + result.stderr).decode("utf-8", "surrogatepass")
-    assert printed
-    assert tame(printed), [line for line in printed.splitlines() if not tame(line)][:3]
-    assert "Traceback" not in printed
-    shutil.rmtree(folder)  # other programs cannot list such names
+    lines = []
+    for number, (make, words) in enumerate(DOORS.values()):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        more = (str(tmp_path / "out"),) if "--csv" in words else ()
+        lines.append((folder, (words[0], str(make(folder, name)), *words[1:], *more)))
+    for door, outcome in zip(DOORS, commands(lines, MORSE_SOCKET_PORT=0), strict=True):
+        printed = outcome.out + outcome.err
+        assert printed, door
+        assert tame(printed), (door, [line for line in printed.splitlines() if not tame(line)][:3])
+        assert "Traceback" not in printed, door
+    for folder, _ in lines:
+        shutil.rmtree(folder)  # other programs cannot list such names

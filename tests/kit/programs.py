@@ -9,15 +9,25 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from multiprocessing.pool import Pool
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 #: s, after which a program counts as lost
 _LIMIT = 200.0
 #: what a process executes that imports the packages beside the tests, and these
 BESIDE = f"import sys; sys.path.append({str(Path(__file__).parents[2])!r})"
+#: what a process executes that runs several commands of ``morse``
+_COMMANDS = """
+import contextlib, io, json, os, sys
+from morse.cli.app import execute
+for folder, words in json.loads(sys.argv[1]):
+    os.chdir(folder)
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        status = execute(words)
+    print(json.dumps([status, out.getvalue(), err.getvalue()]))
+"""
 
 
 def new_processes(count: int = 1) -> Pool:
@@ -102,6 +112,27 @@ def python(
         timeout=limit,
         check=False,
     )
+
+
+class Outcome(NamedTuple):
+    """How a command of ``morse`` has ended, and what it has said."""
+
+    status: int
+    out: str
+    err: str
+
+
+def commands(lines: Iterable[tuple[Path, Iterable[str]]], **more: object) -> list[Outcome]:
+    """Run command lines of ``morse`` one after the other in one process: most of the time of one goes into the start.
+
+    Args:
+        lines: for each one the working folder, and the words after ``morse``.
+        more: variables of the environment, in addition to those of this process.
+    """
+    text = json.dumps([(str(folder), list(words)) for folder, words in lines])
+    done = python("-P", "-c", _COMMANDS, text, **more)
+    assert done.returncode == 0, done.stderr
+    return [Outcome(*json.loads(line)) for line in done.stdout.splitlines()]
 
 
 def talk(command: list[str], step: Callable[[], object], environment: Mapping[str, str] | None = None) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import morse
-from tests.kit.programs import python
+from tests.kit.programs import commands, python
 
 SOURCES = str(Path(morse.__file__).parents[1])
 
@@ -118,12 +118,13 @@ def project(tmp_path_factory):
 
 
 @pytest.fixture
-def command(project, tmp_path):
-    def run(*words):
-        home = {"HOME": str(tmp_path), "USERPROFILE": str(tmp_path), "PYTHONPATH": SOURCES}
-        return python("-m", "morse", *words, folder=project, **home)
+def home(tmp_path):
+    return {"HOME": str(tmp_path), "USERPROFILE": str(tmp_path), "PYTHONPATH": SOURCES}
 
-    return run
+
+@pytest.fixture
+def command(project, home):
+    return lambda *words: python("-m", "morse", *words, folder=project, **home)
 
 
 def test_a_command_takes_its_arguments_and_gives_its_status(command):
@@ -145,27 +146,25 @@ def test_the_help_lists_commands_of_packages_and_says_which_are_broken(command):
     assert result.stdout.count("(broken)") == 7
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("number", "expected a function"),
-        ("absent", "there_is_none"),
-        ("nowhere", "no_such_module"),
-        ("ends", "cannot be loaded"),
-        ("refuse", "* The robot is asleep."),
-        ("crash", 'lab.py", line 28, in crash'),
-        ("deep", "RecursionError"),
-        ("unknown", "(lab:unknown) cannot be loaded: NameError: name 'Path' is not defined"),
-        ("unreadable", "(lab:unreadable) cannot be loaded: TypeError"),
-        ("undescribed", "(lab:Undescribed) cannot be loaded: SystemExit"),
-        ("checked", "has failed: ValueError: out of order"),
-    ],
-)
-def test_a_faulty_command_ends_with_a_message_and_status_1(command, name, said):
-    result = command(name)
-    assert result.returncode == 1
-    assert said.lower() in result.stderr.lower()
-    assert "Traceback" not in result.stderr
+def test_a_faulty_command_ends_with_a_message_and_status_1(project, home):
+    messages = {
+        "number": "expected a function",
+        "absent": "there_is_none",
+        "nowhere": "no_such_module",
+        "ends": "cannot be loaded",
+        "refuse": "* The robot is asleep.",
+        "crash": 'lab.py", line 28, in crash',
+        "deep": "RecursionError",
+        "unknown": "(lab:unknown) cannot be loaded: NameError: name 'Path' is not defined",
+        "unreadable": "(lab:unreadable) cannot be loaded: TypeError",
+        "undescribed": "(lab:Undescribed) cannot be loaded: SystemExit",
+        "checked": "has failed: ValueError: out of order",
+    }
+    outcomes = commands([(project, [name]) for name in messages], **home)
+    for (name, message), outcome in zip(messages.items(), outcomes, strict=True):
+        assert outcome.status == 1, name
+        assert message.lower() in outcome.err.lower()
+        assert "Traceback" not in outcome.err
 
 
 def test_the_text_of_a_command_may_be_none(command):
