@@ -43,6 +43,7 @@ def figures() -> Iterator[Figure]:
     """Measure all figures."""
     yield from radar()
     yield from water()
+    yield from sources()
 
 
 def radar() -> Iterator[Figure]:
@@ -92,3 +93,49 @@ def _snell(gradient: float) -> tuple[float]:
         now = speed + gradient * 4.0 * (index + 0.5) / steps
         time += 4.0 / steps / math.sqrt(1.0 - (math.sin(angle) * now / speed) ** 2) / now
     return (time * speed,)
+
+
+_SOURCES = """
+robot = FakeRobot("robot")
+robot.translate(z=1.0)
+counter, ear, nose, anchors = GeigerCounter(), Microphone(), GasSensor(), UWB()
+counter.properties(background=0.0)
+ear.properties(floor=-20.0)
+nose.properties(turbulence=0.0, interval=0.02, lifetime=25.0)
+for sensor in (counter, ear, nose, anchors):
+    robot.append(sensor)
+source = Empty("source")
+source.translate({x}, 0.0, 1.0)
+source.properties(activity=1e6, sound_level=80.0, gas_source=2.0, uwb_anchor=True)
+if {wall}:
+    wall = Cube("wall")
+    wall.scale = (0.1, 5, 5)
+    wall.translate({x} / 2, 0, 1)
+    wall.properties(attenuation=12.0, permittivity=6.25)
+    wall.static()
+env = Environment("empty", fastmode=True)
+env.properties(wind_x=1.0)
+"""
+
+
+def sources() -> Iterator[Figure]:
+    """Radiation, sound, gas and the bias of UWB."""
+    found = {}
+    for x, wall in ((-4.0, False), (-8.0, False), (-4.0, True)):
+        with scene(_SOURCES.format(x=x, wall=wall)) as sim:
+            sim.step(1800 if (x, wall) == (-4.0, False) else 6)
+            robot = sim.robot
+            found[x, wall] = (
+                robot.counter.data["rate"],
+                robot.ear.data["level"],
+                robot.nose.data["concentration"],
+                robot.anchors.data["ranges"][0]["range"],
+            )
+    near, far, behind = found[-4.0, False], found[-8.0, False], found[-4.0, True]
+    yield Figure("Geiger counter, 4 and 8 m", "ratio of the rates", 4.0, near[0] / far[0], 1e-6, "r⁻²")
+    shield = math.exp(-12.0 * 0.2)
+    yield Figure("Geiger counter, shield of 0.2 m", "share", shield, behind[0] / near[0], 1e-6, "exp(−μ d)")
+    yield Figure("microphone, 4 and 8 m", "difference, dB", 20 * math.log10(2.0), near[1] - far[1], 1e-3, "20 log r")
+    plume = 2.0 / (4.0 * math.pi * 0.05 * 4.0)
+    yield Figure("gas, 4 m downwind of 2 g/s", "g/m³", plume, near[2], 0.02, "Q / 4πDr")
+    yield Figure("UWB, wall of 0.2 m, ε = 6.25", "bias, m", 0.3, behind[3] - near[3], 1e-6, "(√ε − 1) d")

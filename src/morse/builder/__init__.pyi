@@ -169,6 +169,7 @@ __all__ = [
     "ATRV",
     "AbstractComponent",
     "Accelerometer",
+    "AcousticModem",
     "ActuatorCreator",
     "Airspeed",
     "Armature",
@@ -183,9 +184,11 @@ __all__ = [
     "BasePR2",
     "Battery",
     "Bumper",
+    "BumperStrip",
     "Camera",
     "Clock",
     "Collision",
+    "ColorSensor",
     "Component",
     "ComponentCreator",
     "CompoundSensor",
@@ -214,6 +217,8 @@ __all__ = [
     "ForceTorque",
     "ForceTorqueSensor",
     "GPS",
+    "GasSensor",
+    "GeigerCounter",
     "Gripper",
     "GroundRobot",
     "Gyroscope",
@@ -223,6 +228,7 @@ __all__ = [
     "Hummer",
     "Hydrodynamics",
     "IMU",
+    "IRRange",
     "IcoSphere",
     "ImagingSonar",
     "Infrared",
@@ -236,9 +242,11 @@ __all__ = [
     "LedArray",
     "LiftDrag",
     "Light",
+    "LineSensor",
     "LocalizedPR2",
     "Magnetometer",
     "Mesh",
+    "Microphone",
     "MorseBuilderBadSyntaxError",
     "MorseBuilderError",
     "MorseBuilderNoComponentError",
@@ -260,6 +268,7 @@ __all__ = [
     "MotionVWAckermann",
     "MotionVWDiff",
     "MotionXYW",
+    "MotorSensor",
     "MultibeamSonar",
     "NavPR2",
     "NoComponentError",
@@ -282,20 +291,24 @@ __all__ = [
     "QUAD2012",
     "Quadrotor",
     "QuadrotorDynamicControl",
+    "RFIDReader",
     "RMax",
     "Radar",
     "RadarAltimeter",
+    "Radio",
     "RangeFinder",
     "RawImage",
     "Robot",
     "RotorcraftAttitude",
     "RotorcraftVelocity",
     "RotorcraftWaypoint",
+    "SeaTracX150",
     "SearchAndRescue",
     "SegmentationCamera",
     "SegwayRMP400",
     "SemanticCamera",
     "SensorCreator",
+    "SharpGP2Y0A21",
     "Sick",
     "SickLDMRS",
     "SideScanSonar",
@@ -308,12 +321,15 @@ __all__ = [
     "SteerForce",
     "StereoUnit",
     "Submarine",
+    "TactileArray",
     "Teleport",
     "ThermalCamera",
     "Thermometer",
     "TimeStrategies",
     "TimedPath",
     "Torus",
+    "USBL",
+    "UWB",
     "UltrasonicRangeFinder",
     "UnexportableError",
     "VLP16",
@@ -328,6 +344,7 @@ __all__ = [
     "Waypoint",
     "WheelEncoders",
     "WheeledRobot",
+    "Whiskers",
     "Zone",
     "bpymorse",
     "logger",
@@ -356,6 +373,52 @@ class ARS408(SensorCreator):
         azimuth_resolution: float = ...,
         sensitivity: float = ...,
         most_detections: int = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class AcousticModem(SensorCreator):
+    """Packets through water, with loss, delay and collisions"""
+    def properties(
+        self,
+        *,
+        channel: int = ...,
+        carrier: float = ...,
+        power: float = ...,
+        sensitivity: float = ...,
+        wall_loss: float = ...,
+        bit_rate: float = ...,
+        capture: float = ...,
+        temperature: float = ...,
+        salinity: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class BumperStrip(SensorCreator):
+    """A strip of switches along an arc"""
+    def properties(
+        self, *, segments: int = ..., radius: float = ..., arc: float = ..., travel: float = ..., **kwargs: Any
+    ) -> None: ...
+
+class ColorSensor(CameraCreator):
+    """Mean colour in a narrow cone"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        screen_space_error: float = ...,
+        on_demand: bool = ...,
+        capturing: bool = ...,
         errors: bool = ...,
         **kwargs: Any,
     ) -> None: ...
@@ -488,6 +551,35 @@ class EventCamera(CameraCreator):
         **kwargs: Any,
     ) -> None: ...
 
+class GasSensor(SensorCreator):
+    """Concentration of gas in plumes of puffs"""
+    def properties(
+        self,
+        *,
+        diffusion: float = ...,
+        turbulence: float = ...,
+        interval: float = ...,
+        lifetime: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class GeigerCounter(SensorCreator):
+    """Counts rays of radioactive sources behind shields"""
+    def properties(self, *, area: float = ..., background: float = ..., errors: bool = ..., **kwargs: Any) -> None: ...
+
+class IRRange(SensorCreator):
+    """Distance by infrared triangulation, with its voltage"""
+    def properties(
+        self,
+        *,
+        min_range: float = ...,
+        max_range: float = ...,
+        scale: float = ...,
+        exponent: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
 class ImagingSonar(SensorCreator):
     """Multibeam forward-looking sonar: an image by range and angle"""
     def properties(
@@ -505,6 +597,48 @@ class ImagingSonar(SensorCreator):
         temperature: float = ...,
         salinity: float = ...,
         errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class LineSensor(CameraCreator):
+    """A row of reflectance sensors that finds a line"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        screen_space_error: float = ...,
+        on_demand: bool = ...,
+        capturing: bool = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class Microphone(SensorCreator):
+    """Level of sound, and direction of the loudest source"""
+    def properties(self, *, floor: float = ..., wall_loss: float = ..., **kwargs: Any) -> None: ...
+
+class MotorSensor(SensorCreator):
+    """Current and temperature of the motor of a joint"""
+    def properties(
+        self,
+        *,
+        axis: Literal["x", "y", "z"] = ...,
+        torque_constant: float = ...,
+        gear: float = ...,
+        resistance: float = ...,
+        thermal_resistance: float = ...,
+        thermal_capacity: float = ...,
+        ambient: float = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -560,6 +694,19 @@ class Ping1D(SensorCreator):
         **kwargs: Any,
     ) -> None: ...
 
+class RFIDReader(SensorCreator):
+    """Reads tags in its beam"""
+    def properties(
+        self,
+        *,
+        carrier: float = ...,
+        power: float = ...,
+        tag_sensitivity: float = ...,
+        beam: float = ...,
+        wall_loss: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
 class Radar(SensorCreator):
     """Measures range, angle, velocity and cross-section of reflecting objects"""
     def properties(
@@ -576,6 +723,46 @@ class Radar(SensorCreator):
         azimuth_resolution: float = ...,
         sensitivity: float = ...,
         most_detections: int = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class Radio(SensorCreator):
+    """Packets between robots, with loss, delay and collisions"""
+    def properties(
+        self,
+        *,
+        channel: int = ...,
+        carrier: float = ...,
+        power: float = ...,
+        sensitivity: float = ...,
+        wall_loss: float = ...,
+        bit_rate: float = ...,
+        capture: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class SeaTracX150(SensorCreator):
+    """A Blueprint Subsea SeaTrac X150: 1 km, 1 degree."""
+    def properties(
+        self,
+        *,
+        max_range: float = ...,
+        angle_error: float = ...,
+        range_error: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class SharpGP2Y0A21(SensorCreator):
+    """A Sharp GP2Y0A21YK0F: 10 to 80 cm, 26 Hz, with its noise."""
+    def properties(
+        self,
+        *,
+        min_range: float = ...,
+        max_range: float = ...,
+        scale: float = ...,
+        exponent: float = ...,
         errors: bool = ...,
         **kwargs: Any,
     ) -> None: ...
@@ -622,3 +809,44 @@ class StarFish450F(SensorCreator):
         errors: bool = ...,
         **kwargs: Any,
     ) -> None: ...
+
+class TactileArray(SensorCreator):
+    """Forces on the taxels of a soft skin"""
+    def properties(
+        self,
+        *,
+        rows: int = ...,
+        columns: int = ...,
+        pitch: float = ...,
+        thickness: float = ...,
+        stiffness: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class USBL(SensorCreator):
+    """Ultra-short baseline: distance and direction of transponders"""
+    def properties(
+        self,
+        *,
+        max_range: float = ...,
+        angle_error: float = ...,
+        range_error: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class UWB(SensorCreator):
+    """Distances of ultra-wideband anchors, with the bias of walls"""
+    def properties(
+        self,
+        *,
+        link_margin: float = ...,
+        wall_loss: float = ...,
+        deviation: float = ...,
+        errors: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class Whiskers(SensorCreator):
+    """A fan of whiskers that bend"""
+    def properties(self, *, count: int = ..., spread: float = ..., length: float = ..., **kwargs: Any) -> None: ...

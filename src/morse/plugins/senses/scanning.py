@@ -40,6 +40,10 @@ class ScanningSensor(Sensor):
         """Return the directions (N, 3) of the rays in the frame of the sensor."""
         raise NotImplementedError
 
+    def origins(self) -> Floats | None:
+        """Return the begins (N, 3) of the rays in the frame of the sensor, m; None for its origin."""
+        return None
+
     def reach(self) -> float:
         """Return the largest distance of a hit, m."""
         raise NotImplementedError
@@ -58,7 +62,7 @@ class ScanningSensor(Sensor):
     def _build(self) -> None:
         self._built = self._shape()
         self.remove_request(self.rays)
-        self.add_rays(self.directions(), self.reach())
+        self.add_rays(self.directions(), self.reach(), self.origins())
 
     def scan(self) -> RayBundle:
         """Return the rays with the hits of this tick."""
