@@ -6,6 +6,9 @@ the values of all joints.
     python -m benchmarks.programs.legs ant.xml --n 64               # a batch
     python -m benchmarks.programs.legs ant.xml --mode step          # one simulation: publish, step(1), data
     python -m benchmarks.programs.legs ant.xml --mode gym --n 16    # morse.gym, beside SyncVectorEnv of Gymnasium
+
+A batch also runs beside `mujoco.rollout`, which gets the efforts of all steps at once; the vectors beside Gymnasium's
+own environment of a file that it has (``ant.xml``, ``half_cheetah.xml``, …), which needs its extra ``mujoco``.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ os.environ.setdefault("MORSE_THREADS", "1")
 
 import gymnasium
 import mujoco
+import mujoco.rollout
 import numpy as np
 
 import morse
@@ -77,6 +81,10 @@ class Bare:
     def names(self) -> list[str]:
         return [self._model.joint(j).name for j in self.joints]
 
+    def run(self, commands: NDArray[np.float64]) -> None:
+        for command in commands:
+            self.step(command)
+
     def step(self, commands: NDArray[np.float64]) -> None:
         model, steps, dofs = self._model, self._steps, self._dofs
         for row, data in enumerate(self._datas):
@@ -89,6 +97,21 @@ class Bare:
             mujoco.mj_resetData(self._model, data)
 
 
+class Rollout(Bare):
+    """The same by one call of `mujoco.rollout` for all steps."""
+
+    def run(self, commands: NDArray[np.float64]) -> None:
+        model, (steps, count, _) = self._model, commands.shape
+        control = np.zeros((count, steps * self._steps, model.nv))
+        control[:, :, self._dofs] = np.repeat(commands.transpose(1, 0, 2), self._steps, axis=1)
+        size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        start = np.zeros((count, size))
+        for row, data in enumerate(self._datas):
+            mujoco.mj_getState(model, data, start[row], mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        spec = mujoco.mjtState.mjSTATE_QFRC_APPLIED.value
+        mujoco.rollout.rollout(model, self._datas[0], start, control, control_spec=spec)
+
+
 class Rows:
     """A batch by its public interface."""
 
@@ -98,8 +121,12 @@ class Rows:
         self.angles = many.read("robot.arm.angles")
         self.pose = many.read("robot.pose", "x", "y", "z", "yaw", "pitch", "roll")
 
-    def step(self, commands: NDArray[np.float64]) -> None:
-        self.command[:] = commands
+    def run(self, commands: NDArray[np.float64]) -> None:
+        for command in commands:
+            self.step(command)
+
+    def step(self, command: NDArray[np.float64]) -> None:
+        self.command[:] = command
         self.many.step(1, measure=True)
 
     def restart(self) -> None:
@@ -116,10 +143,11 @@ class Single:
         self._names = list(self._arm.component.local_data)
         self.seen: Any = None
 
-    def step(self, commands: NDArray[np.float64]) -> None:
-        self._arm.publish(dict(zip(self._names, commands[0].tolist(), strict=True)))
-        self.simulation.step(1, measure=True)
-        self.seen = self._angles.data, self._pose.data
+    def run(self, commands: NDArray[np.float64]) -> None:
+        for (command,) in commands:
+            self._arm.publish(dict(zip(self._names, command.tolist(), strict=True)))
+            self.simulation.step(1, measure=True)
+            self.seen = self._angles.data, self._pose.data
 
     def restart(self) -> None:
         self.simulation.restart()
@@ -139,8 +167,9 @@ class _BareEnv(gymnasium.Env[Any, Any]):
         return self._loop.seen[0].astype(np.float32), {}
 
     def step(self, action: Any) -> Any:
+        before = self._loop.seen[0, 0]
         self._loop.step(np.asarray(action, float)[None])
-        return self._loop.seen[0].astype(np.float32), 0.0, False, False, {}
+        return self._loop.seen[0].astype(np.float32), float(self._loop.seen[0, 0] - before), False, False, {}
 
 
 class Vector:
@@ -150,11 +179,29 @@ class Vector:
         self.env = make()
         self.env.reset(seed=1)
 
-    def step(self, commands: NDArray[np.float64]) -> None:
-        self.env.step(commands.astype(np.float32))
+    def run(self, commands: NDArray[np.float64]) -> None:
+        # an environment of Gymnasium has no command for joints without motor
+        for command in commands[..., : self.env.single_action_space.shape[0]].astype(np.float32):
+            self.env.step(command)
 
     def restart(self) -> None:
         self.env.reset()
+
+
+#: Gymnasium's environments of its files
+_OWN = {"half_cheetah": "HalfCheetah", "walker2d": "Walker2d", "inverted_pendulum": "InvertedPendulum"}
+
+
+def own_env(file: str, like: Any) -> Any:
+    """Gymnasium's own environment of a file, with the time step of MORSE; None if it has none, or lacks its extra."""
+    stem, world = Path(file).stem, like.context.world
+    name = f"{_OWN.get(stem, stem.capitalize())}-v5"
+    try:
+        env = gymnasium.make(name, xml_file=file, frame_skip=world.steps, disable_env_checker=True)
+    except (gymnasium.error.Error, ImportError, TypeError):
+        return None
+    env.unwrapped.model.opt.timestep = world.model.opt.timestep
+    return env
 
 
 def task_of(file: str, names: list[str], high: NDArray[np.float64]) -> Any:
@@ -176,7 +223,7 @@ def task_of(file: str, names: list[str], high: NDArray[np.float64]) -> Any:
             return np.concatenate([data["angles"], data["pose"]], axis=1)
 
         def reward(self, before: Any, now: Any) -> Any:
-            return np.zeros(len(self.many)), np.zeros(len(self.many), bool), {}
+            return now["pose"][:, 0] - before["pose"][:, 0], np.zeros(len(self.many), bool), {}
 
     return Legs
 
@@ -250,8 +297,12 @@ def main() -> None:
             lambda: gymnasium.vector.SyncVectorEnv([lambda: _BareEnv(file, first.simulation, high)] * count, copy=True)
         )
         loops["morse"] = Vector(lambda: morse.gym.vector(task, count))
+        if own_env(file, first.simulation) is not None:
+            loops["gymnasium"] = Vector(
+                lambda: gymnasium.vector.SyncVectorEnv([lambda: own_env(file, first.simulation)] * count)
+            )
     else:
-        loops["morse"] = Rows(file, count)
+        loops |= {"morse": Rows(file, count), "rollout": Rollout(file, count, first.simulation)}
     rng = np.random.default_rng(1)
     order = [bare.names().index(name) for name in names]
     times: dict[str, list[float]] = {name: [] for name in loops}
@@ -262,18 +313,21 @@ def main() -> None:
         for name, loop in loops.items():
             loop.restart()
             given = commands
-            if name == "bare":
+            if name in ("bare", "rollout"):
                 given = np.empty_like(commands)
                 given[..., order] = commands
             begin = time.process_time()
-            for command in given:
-                loop.step(command)
+            loop.run(given)
             if number:
                 times[name].append((time.process_time() - begin) / steps / count * 1e6)
+    ratios = {
+        f"{name}_ratio": statistics.median(one / bare for one, bare in zip(each, times["bare"], strict=True))
+        for name, each in times.items()
+        if name not in ("bare", "morse")
+    }
     ratio = statistics.median(m / b for m, b in zip(times["morse"], times["bare"], strict=True))
-    stopwatch.report(
-        morse_us=statistics.median(times["morse"]), bare_us=statistics.median(times["bare"]), cost_ratio=ratio
-    )
+    each = {f"{name}_us": statistics.median(one) for name, one in times.items()}
+    stopwatch.report(cost_ratio=ratio, **each, **ratios)
 
 
 if __name__ == "__main__":
