@@ -16,7 +16,7 @@ from view_worlds import box, mesh_node
 
 from morse.scene import CollisionShape, Scene, ShapeKind
 from morse.viewer.page_messages import Activate, CallService, SetProperty, ToggleCapturing
-from morse.viewer.view_messages import Capturing, Cone, Log, MassCentre, PropertyValue
+from morse.viewer.view_messages import Capturing, Cone, Log, MassCentre, PropertyValue, Task, TaskPoint
 from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -573,3 +573,33 @@ def test_the_camera_is_remembered_and_forgotten(running, open_page) -> None:
     page.reload()
     wait_until(lambda: page.evaluate("!!window.morse?.world.value"))
     assert page.evaluate("morse.stage.view.position.z") == pytest.approx(8.0)
+
+
+def test_a_task_is_shown_with_what_has_been_checked(shown) -> None:
+    driver, page = shown
+    points = [TaskPoint("It stops.", True), TaskPoint("<img src=x onerror=alert(1)>", False, "Turn earlier.")]
+    text = "Write `step`.\n\n* Look at <b>one</b> row.\n* Turn left."
+    driver.server.send(Task("Follow a line", text, points, True))
+    task = page.locator(".task")
+    task.get_by_text("1 of 2").wait_for()
+    assert task.locator("code").all_inner_texts() == ["step"]
+    assert task.locator(".text li").all_inner_texts() == ["Look at <b>one</b> row.", "Turn left."]
+    assert task.locator(".points li").nth(1).inner_text().split("\n")[1:] == [
+        "<img src=x onerror=alert(1)>",
+        "Turn earlier.",
+    ]
+    assert task.locator("img, b b").count() == 0
+    driver.server.send(Task("Follow a line", text, [TaskPoint("It stops.", True)], True))
+    task.get_by_text("passed").wait_for()
+    page.evaluate("document.querySelector('.task').replaceChildren(); document.querySelector('.task').hidden = true")
+
+
+def test_lines_at_every_metre_are_drawn_if_somebody_wants_them(shown) -> None:
+    _, page = shown
+    drawn = "(morse.stage.invalidate(), morse.stage.ground.mesh.material.visible)"
+    wait_until(lambda: page.evaluate(drawn) is False, "no lines")
+    page.locator("summary[title=view]").click()
+    page.get_by_label("grid").check()
+    wait_until(lambda: page.evaluate(drawn) is True, "lines")
+    page.get_by_label("grid").uncheck()
+    wait_until(lambda: page.evaluate(drawn) is False, "no lines")

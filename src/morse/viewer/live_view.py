@@ -27,7 +27,18 @@ from morse.viewer.page import PageLeft
 from morse.viewer.page_inputs import Commands, Rewinder, ServiceCalls
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import Snapshot
-from morse.viewer.view_messages import Answer, FileMistake, Listening, Pace, Refused, SavedFiles, Tree, Viewpoint
+from morse.viewer.view_messages import (
+    Answer,
+    FileMistake,
+    Listening,
+    Pace,
+    Refused,
+    SavedFiles,
+    Task,
+    TaskPoint,
+    Tree,
+    Viewpoint,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -285,6 +296,20 @@ class View(Observer):
     def show(self, height: int) -> Frame:
         """The page in a frame, for a notebook; see `morse.viewer.notebook.frame`."""
         return frame(self._url, height)
+
+    def show_task(
+        self, title: str, text: str, points: Sequence[tuple[str, bool, str]] = (), *, is_checked: bool = False
+    ) -> None:
+        """Show on all pages what is to be done, and what has been checked of it so far; replaces the task before.
+
+        Args:
+            title: a few words.
+            text: paragraphs, lists and code in Markdown.
+            points: what is expected, whether it is so, and what might help.
+            is_checked: whether the check has ended.
+        """
+        shown = [TaskPoint(printable(what), is_right, printable(hint)) for what, is_right, hint in points]
+        self._server.send(Task(printable(title), text, shown, is_checked))
 
     def announce(self) -> None:
         """The simulation is ready: describe it, log the address, open a browser."""

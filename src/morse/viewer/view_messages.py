@@ -96,6 +96,29 @@ class Pace(ServerMessage, frozen=True):
     cause: str = ""
 
 
+class TaskPoint(Struct, frozen=True):
+    """A point of a task: what is expected, whether it is so, and if not, what might help."""
+
+    what: str
+    is_right: bool
+    hint: str = ""
+
+
+class Task(ServerMessage, frozen=True):
+    """What a person in front of the page is to do.
+
+    Attributes:
+        text: Markdown of paragraphs, lists and code.
+        points: what has been checked so far.
+        is_checked: whether the check has ended.
+    """
+
+    title: str
+    text: str
+    points: list[TaskPoint]
+    is_checked: bool = False
+
+
 class RecordingDescription(Struct, frozen=True):
     """An active recording.
 

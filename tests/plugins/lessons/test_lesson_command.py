@@ -11,11 +11,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from websockets.sync.client import connect
 
 from morse.cli.app import execute
 from morse.plugins.lessons.catalog import lesson
 from morse.plugins.lessons.course import ORDER
 from morse.plugins.lessons.examining import examine
+from morse.viewer.protocol import VERSION
 from tests.kit.waiting import wait_until
 
 SOLUTIONS = Path(__file__).parent / "solutions"
@@ -42,6 +44,43 @@ def test_a_lesson_is_started_checked_and_passed(here, capfd):
     shutil.copy(SOLUTIONS / "odometry.py", here / "odometry" / "controller.py")
     assert execute(["lesson", "check", "odometry"]) == 0
     assert "6 of 6 points. Passed." in capfd.readouterr().out
+
+
+def test_the_page_shows_the_task_and_what_is_missing_and_checks_again_what_is_saved(here):
+    assert execute(["lesson", "start", "odometry"]) == 0
+    log = here / "log"
+    with log.open("w") as output:
+        command = [sys.executable, "-c", "from morse.cli import main; main()", "lesson", "show", "odometry"]
+        process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
+    try:
+        url = wait_until(lambda: re.search(r"http://\S+", log.read_text()), "the address")[0]
+
+        def task():
+            with connect(f"{url.replace('http', 'ws')}ws", max_size=None) as page:
+                page.send(json.dumps({"type": "hello", "version": VERSION}))
+                while True:
+                    frame = page.recv(timeout=60)
+                    message = json.loads(frame) if isinstance(frame, str) else {}
+                    if message.get("type") == "task":
+                        return message
+
+        wait_until(lambda: "Save" in log.read_text(), "the first result")
+        shown = task()
+        assert shown["title"] == lesson("odometry").title
+        assert shown["text"] == lesson("odometry").task
+        assert shown["is_checked"]
+        assert {"what": "The yaw is right within 0.01 rad.", "is_right": False} in [
+            {name: value for name, value in point.items() if name != "hint"} for point in shown["points"]
+        ]
+        shutil.copy(SOLUTIONS / "odometry.py", here / "odometry" / "controller.py")
+        wait_until(lambda: "Passed." in log.read_text(), "the second result")
+        # at the same address, to which the open page connects again
+        again = task()
+        assert again["points"]
+        assert all(point["is_right"] for point in again["points"])
+    finally:
+        process.kill()
+        process.wait()
 
 
 def test_the_program_of_a_student_is_not_overwritten(here, capsys):

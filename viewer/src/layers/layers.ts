@@ -68,8 +68,8 @@ export class Layers {
       layer.switch(kept.has(layer.id), null);
       this.addBox(layer.id, layer.label, layer.on, (on) => this.switch(layer.id, on));
     }
-    this.addBox("grid", "grid", true, (on) => {
-      stage.ground.mesh.visible = on;
+    this.addBox("grid", "grid", false, (on) => {
+      stage.grid = on;
       stage.invalidate();
     });
     world.watch((now) => now && this.rebuild(now));

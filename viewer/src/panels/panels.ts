@@ -27,6 +27,7 @@ import { Rate } from "./rate";
 import { RecordingPanel } from "./recording";
 import { Ruler } from "./ruler";
 import { SavedPanel } from "./saved";
+import { TaskPanel } from "./task";
 import { TouchPad } from "./touchpad";
 import { TreePanel } from "./tree";
 import { ViewMenu } from "./viewmenu";
@@ -87,7 +88,7 @@ export class Panels {
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();
-    shell.over.append(h("div", { class: "said" }, this.mover.element, this.ruler.element, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
+    shell.over.append(h("div", { class: "said" }, new TaskPanel(connection).element, this.mover.element, this.ruler.element, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
     // a hand that drives cannot move the camera, and a small picture is left soon

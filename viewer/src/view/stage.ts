@@ -24,6 +24,8 @@ export class Stage {
   readonly target = new Vector3();
   world: World | null = null;
   frames = 0;
+  /** whether lines are drawn at every metre of the height 0 */
+  grid = false;
   private stale = true;
   private empty = false;
   private readonly steps: ((seconds: number) => boolean)[] = [];
@@ -123,8 +125,8 @@ export class Stage {
     this.view.update();
     for (const prepare of this.before) prepare();
     this.sky.at(this.view.position.z);
-    // where a world has no floor, lines would look like one
-    this.ground.mesh.material.visible = this.world === null;
+    // where a world has no floor, lines would look like one: only if somebody wants them
+    this.ground.mesh.material.visible = this.world === null || this.grid;
     this.lights.follow(this.target, this.view.position.distanceTo(this.target));
     this.world?.sort(lookOf(this.view.camera, this.element.clientHeight * this.renderer.getPixelRatio()));
     this.renderer.render(this.scene, this.view.camera);

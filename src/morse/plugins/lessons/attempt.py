@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterable, Sized
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, TypeVar
+from urllib.parse import urlsplit
 
 import morse
 from morse.core.reports.faults import describe
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 LONGEST_CALL = 10.0
 #: items of what a student's function yields; more may be endless
 _MOST_ITEMS = 100_000
+#: simulated seconds between two looks at the program, while its result is shown
+_LOOK = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,8 @@ class Attempt:
         self._folder = folder
         self._is_shown = is_shown
         self._record = record
+        #: of the live view; 0 for any
+        self._port = 0
         self._simulation: Simulation | None = None
         self._student: ModuleType | None = None
         self._watch: _Watch | None = None
@@ -99,12 +104,28 @@ class Attempt:
         self._student = None
         record, self._record = self._record, None
         self._simulation = morse.load(
-            scene, on_failure="raise", view="web" if self._is_shown else None, record=record, seed=1
+            scene,
+            on_failure="raise",
+            view="web" if self._is_shown else None,
+            view_port=self._port,
+            record=record,
+            seed=1,
         )
-        if self._is_shown and self._simulation.view is not None:
-            echo(f"* The live view: {self._simulation.view.url}")
+        view = self._simulation.view
+        if self._is_shown and view is not None:
+            if not self._port:
+                echo(f"* The live view: {view.url}")
+            # open pages connect again to each further simulation
+            self._port = urlsplit(view.url).port or 0
+            self.tell()
         self._simulation.measure()
         return self._simulation
+
+    def tell(self, *, is_checked: bool = False) -> None:
+        """Show the task and what has been found so far in the page, if there is one."""
+        if self._simulation is not None:
+            points = [(one.what, one.is_right, one.hint) for one in self.findings]
+            self._simulation.show_task(self._lesson.title, self._lesson.task, points, is_checked=is_checked)
 
     def step(self, seconds: float) -> None:
         """Let simulated time pass, in real time if the lesson is shown; then all sensors measure."""
@@ -149,6 +170,7 @@ class Attempt:
             hint: what is so instead, and what might help.
         """
         self.findings.append(Finding(what, bool(is_right), "" if is_right else hint))
+        self.tell()
         return bool(is_right)
 
     # -- for those who run checks ----------------------------------------------------------
@@ -168,8 +190,27 @@ class Attempt:
             self.expect(False, "The check runs.", f"the lesson itself has failed: {describe(error)}")
         finally:
             self._watch.close()
+            self.tell(is_checked=True)
             if not self._is_shown:
                 self.close()
+
+    def again(self, on_endless: Callable[[], None]) -> None:
+        """Check once more, with the program as it is now."""
+        self.findings.clear()
+        self.load(self.scene)
+        self.run(on_endless)
+
+    def wait_for_change(self) -> bool:
+        """Let the simulation run until the program is saved; returns False if a page ends the simulation before."""
+        file = self._folder / PROGRAM
+        before = _stamp(file)
+        while _stamp(file) in (before, None):
+            clock = self.simulation.clock
+            end = clock.tick + round(_LOOK * clock.frequency)
+            self.simulation.run(_LOOK)
+            if clock.tick < end:
+                return False
+        return True
 
     def close(self) -> None:
         """End the simulation."""
@@ -205,6 +246,14 @@ class Attempt:
         finally:
             if watch is not None:
                 watch.end()
+
+
+def _stamp(file: Path) -> tuple[int, int] | None:
+    try:
+        status = file.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
 
 
 def _whole(name: str, result: object) -> object:

@@ -97,8 +97,10 @@ def _show(chosen: Lesson, place: Path, record: Path | None) -> int:
     try:
         attempt.run(lambda: _print(Result(tuple(attempt.findings))))
         status = _report(Result(tuple(attempt.findings)))
-        echo("* Ctrl+C ends the view.")
-        attempt.simulation.run()
+        echo(f"* Save {place / PROGRAM}, and it is checked again. Ctrl+C ends the view.")
+        while attempt.wait_for_change():
+            attempt.again(lambda: _print(Result(tuple(attempt.findings))))
+            status = _report(Result(tuple(attempt.findings)))
     except KeyboardInterrupt:
         return 130
     finally:

@@ -522,6 +522,21 @@ class SimulationPictures:
             )
         return show(height)
 
+    def show_task(
+        self, title: str, text: str, points: Sequence[tuple[str, bool, str]] = (), *, is_checked: bool = False
+    ) -> None:
+        """Show in the live view what its user is to do, and what has been checked of it; without a page, do nothing.
+
+        Args:
+            title: a few words.
+            text: paragraphs, lists and code in Markdown.
+            points: what is expected, whether it is so, and what might help.
+            is_checked: whether the check has ended.
+        """
+        show: Callable[..., object] | None = getattr(self.view, "show_task", None)
+        if show is not None:
+            show(title, text, points, is_checked=is_checked)
+
     def picture(self, width: int = 960, height: int = 600, **view: Any) -> NDArray[np.uint8]:
         """Render an image of the present world, from the initial viewpoint of the live view.
 
