@@ -27,6 +27,7 @@ WORDS = {
     "blend": r"plugins[./]blend|read_blend",
     "legacy": r"plugins[./]legacy|builder[./]legacy",
     "senses": r"plugins[./]senses",  # a verb, too
+    "weather": r"plugins[./]weather",  # the weather of data sheets and of cables
     "ros": r"(?<!find\()[\"']ros[\"']|plugins\.ros\b",
 }
 POINTS = {

@@ -15,6 +15,7 @@ import pictures
 import seeing
 import senses
 import sensing
+import weather
 
 if TYPE_CHECKING:
     from figures import Figure
@@ -25,7 +26,11 @@ CHAPTERS = (
     ("Linkages and arms", coupling),
     ("Sensors", sensing),
     ("Cameras", seeing),
+<<<<<<< HEAD
     ("Radar, sonar and other senses", senses),
+=======
+    ("Weather", weather),
+>>>>>>> 2b072bae (Weather: fog, rain, snow, dust and wind on scanners, cameras and aircraft, as a plug-in)
     ("The engine", engine),
 )
 HEAD = """# Validation

@@ -27,6 +27,7 @@ _GROUPS = {
     "morse.assets": "models",
     "morse.services": "services",
     "morse.checks": "check of scenes",
+    "morse.environment": "method of the environment",
     "morse.commands": "command",
 }
 

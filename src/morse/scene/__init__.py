@@ -6,6 +6,7 @@ from morse.scene.component import (
     ComponentDeclaration,
     ModifierDeclaration,
     OverlayDeclaration,
+    SensorAlteration,
     SourceLine,
     StreamDeclaration,
 )
@@ -44,6 +45,7 @@ __all__ = [
     "Role",
     "Scene",
     "SceneWarning",
+    "SensorAlteration",
     "Settings",
     "ShapeKind",
     "SourceLine",

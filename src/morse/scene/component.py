@@ -55,6 +55,15 @@ class ModifierDeclaration:
 
 
 @dataclass(eq=False, slots=True)
+class SensorAlteration:
+    """A modifier of all sensors of a scene that it fits: its name and options, from ``env.alter``."""
+
+    name: str
+    options: dict[str, object] = field(default_factory=dict)
+    where: SourceLine | None = None
+
+
+@dataclass(eq=False, slots=True)
 class OverlayDeclaration:
     """An overlay: class path, options and request manager."""
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from contextlib import AbstractContextManager
 
-    from morse.scene.component import ComponentDeclaration, SourceLine
+    from morse.scene.component import ComponentDeclaration, SensorAlteration, SourceLine
     from morse.scene.node import Node
 
 
@@ -167,6 +167,7 @@ class Scene:
         properties: properties of the environment: longitude, latitude, altitude, UTMXOffset, ...
         manager_options: class path of a stream manager to its options.
         simulation_managers: request managers that offer the services of the simulation.
+        alterations: the modifiers of all sensors that they fit, also of those that are created later.
         interfaces: names of the middlewares to which all components are connected, including those created later.
         log_levels: component to level, from ``env.set_log_level``.
         resource_paths: directories that the user named, which are searched for models; also for models of clients.
@@ -183,6 +184,7 @@ class Scene:
     properties: dict[str, object] = field(default_factory=dict)
     manager_options: dict[str, dict[str, object]] = field(default_factory=dict)
     simulation_managers: list[str] = field(default_factory=list)
+    alterations: list[SensorAlteration] = field(default_factory=list)
     interfaces: list[str] = field(default_factory=list)
     log_levels: dict[str, str] = field(default_factory=dict)
     resource_paths: list[str] = field(default_factory=list)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseBuilderError, MorseRPCTypeError
+from morse.core.modifier import AbstractModifier
 from morse.core.rows.marks import is_overridden, known_data
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
@@ -61,6 +63,22 @@ CAMERA_INFO: Fields = {
 }
 #: maximum number of images of `StereoUnit.capture` and similar services
 Pictures = Annotated[int, Range(low=-1e9, high=1e9)]
+
+
+class PictureModifier(AbstractModifier):
+    """Changes the pictures of a camera before the camera makes its data of them."""
+
+    def modify(self) -> None:
+        """Do nothing: the data follow from the picture."""
+
+    @abstractmethod
+    def modify_picture(self, picture: Picture, time: float) -> Picture:
+        """Return the changed picture, of the same size.
+
+        Args:
+            picture: its arrays must not be changed; `picture._replace` makes another picture.
+            time: simulated time of the exposure, s.
+        """
 
 
 class Camera(Sensor):
@@ -327,7 +345,11 @@ class Camera(Sensor):
         """Fill ``local_data`` from an image, and end `capture` with its last image."""
         self._follow_properties()
         self.noted, self._taken_from = exposure.noted, exposure.pose
-        self.take(exposure.picture())
+        picture = exposure.picture()
+        for modifier in self.output_modifiers:
+            if isinstance(modifier, PictureModifier):
+                picture = modifier.modify_picture(picture, exposure.time)
+        self.take(picture)
         if self._left == 0 and not self.under_way and self.on_completion is not None:
             self.completed(SUCCESS)
 

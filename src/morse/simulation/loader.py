@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from morse.builder.names.catalog import fitting_modifier
 from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator
 from morse.core.classes.classpath import load_class
@@ -22,6 +23,7 @@ from morse.core.reports.faults import ENDINGS, attribute, describe, is_a, name_o
 from morse.core.robot import Robot
 from morse.core.rows.marks import Unclaimed
 from morse.middleware.registry import needs_network
+from morse.scene import ModifierDeclaration
 from morse.scene.component import RealismModel
 from morse.scene.scene_warnings import about
 
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.request_manager import RequestManager
     from morse.core.world import Body
-    from morse.scene import ComponentDeclaration, ModifierDeclaration, SourceLine
+    from morse.scene import ComponentDeclaration, SensorAlteration, SourceLine
 
 
 def watch_threads() -> None:
@@ -275,6 +277,10 @@ def connect(context: Context, parts: Loaded, declarations: Sequence[ComponentDec
     declarations = context.scene.components if declarations is None else declarations
     everything: dict[str, Any] = {**context.robots, **context.components}
     present = [(d, everything[d.name]) for d in declarations if d.name in everything]
+    if context.scene.alterations:
+        for declaration, component in present:
+            if declaration.kind == "sensor":
+                _alter(declaration, type(component), context.scene.alterations)
     with Unclaimed(component for _, component in present):
         for declaration, component in present:
             for modifier in declaration.modifiers:
@@ -284,6 +290,15 @@ def connect(context: Context, parts: Loaded, declarations: Sequence[ComponentDec
     for declaration, component in present:
         with about(declaration.where):
             _add_interfaces(context, component, declaration)
+
+
+def _alter(declaration: ComponentDeclaration, cls: type, alterations: Sequence[SensorAlteration]) -> None:
+    """Declare the modifiers of all sensors that fit one sensor, unless an earlier run of the scene has done so."""
+    for one in alterations:
+        path = fitting_modifier(one.name, cls)
+        known = any(each.classpath == path and each.where == one.where for each in declaration.modifiers)
+        if path is not None and not known:
+            declaration.modifiers.append(ModifierDeclaration(path, dict(one.options), one.where))
 
 
 def _add_interfaces(context: Context, component: Object, declaration: ComponentDeclaration) -> None:

@@ -70,7 +70,8 @@ def offer_services(simulation: Simulation) -> None:
 def _of_packages(context: Context, present: list[str]) -> Iterator[AbstractObject]:
     """The objects of installed packages and of the project, whose services are those of the simulation.
 
-    A package names a class, which gets the context, by an entry point::
+    A package names a class, which gets the context, by an entry point; or a function that returns None if a scene does
+    not need it::
 
         [project.entry-points."morse.services"]
         referee = "my_lab.referee:Referee"
@@ -84,13 +85,16 @@ def _of_packages(context: Context, present: list[str]) -> Iterator[AbstractObjec
         except PluginError as error:
             logger.warning("the services of the package %s are left out: %s", point.value, error)
             continue
-        present.append(point.name)
-        yield made
+        if made is not None:
+            present.append(point.name)
+            yield made
 
 
-def _made(context: Context, name: str, present: list[str], cls: Callable[[Context], object]) -> AbstractObject:
-    check_name(name, present)
+def _made(context: Context, name: str, present: list[str], cls: Callable[[Context], object]) -> AbstractObject | None:
     made = cls(context)
+    if made is None:
+        return None
+    check_name(name, present)
     if not isinstance(made, AbstractObject):
         raise TypeError(f"it is {made!r:.80}, expected an object of a class derived from AbstractObject")
     if made.name() != name:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from morse.scene import Settings, SourceLine
+    from morse.scene import SensorAlteration, Settings, SourceLine
 
 
 class Wish(NamedTuple):
@@ -38,6 +38,7 @@ class EnvironmentDescription:
     _auto_tune: bool
     _wishes: dict[str, Wish]
     _simulation_managers: list[str]
+    _alterations: list[SensorAlteration]
     _default_interfaces: list[str]
     _manager_options: dict[str, dict[str, object]]
     _distribution: dict[str, list[str]] | None

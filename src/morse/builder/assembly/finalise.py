@@ -281,6 +281,7 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
         properties=_properties(environment),
         manager_options=environment._manager_options,
         simulation_managers=environment._simulation_managers,
+        alterations=environment._alterations,
         interfaces=list(environment._default_interfaces),
         log_levels=environment._log_levels,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -16,21 +17,26 @@ from morse.builder.components.robot import Robot, WheeledRobot, connect
 from morse.builder.environment.time import TimeMethods
 from morse.builder.environment.view import ViewMethods
 from morse.builder.errors import checks
-from morse.builder.errors.declared import warn_if_misspelled
-from morse.builder.names import frames, naming
+from morse.builder.errors.declared import modifier_options, warn_if_misspelled
+from morse.builder.names import catalog, frames, naming
 from morse.builder.names.part import Strength
 from morse.builder.objects import checked_property
 from morse.builder.workspace import notice
+from morse.core.classes.plugins import PluginError, entry_points
+from morse.core.classes.plugins import load as load_point
 from morse.core.exceptions import MorseBuilderError
-from morse.scene import Choice, Mist
+from morse.scene import Choice, Mist, SensorAlteration
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import FrameType
 
     from morse.scene import Camera, Library, Node
 
 logger = logging.getLogger(__name__)
 
+#: entry points of functions that packages add as methods: their first argument is the environment
+_GROUP = "morse.environment"
 #: properties of the world that are numbers
 _PLACE = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset", "UTMYOffset", "UTMZOffset")
 _FALLEN = ("warning", "error")
@@ -76,6 +82,7 @@ class Environment(ViewMethods, TimeMethods):
         self.settings.fastmode = checks.boolean(fastmode, "Environment(fastmode)")
         self.settings.fallen = checks.choice(fallen, _FALLEN, "Environment(fallen)")
         self.environment_properties = {}
+        self._alterations = []
         self._auto_tune = checks.boolean(auto_tune_time, "Environment(auto_tune_time)")
         self._wishes = {}
         self._init_time()
@@ -96,7 +103,11 @@ class Environment(ViewMethods, TimeMethods):
     if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
         def __getattr__(self, name: str) -> Any:
-            return checks.missing_attribute(self, name)
+            method = None if name.startswith("_") else _method_of_a_package(name)
+            return checks.missing_attribute(self, name) if method is None else partial(method, self)
+
+        def __dir__(self) -> list[str]:
+            return [*super().__dir__(), *(point.name for point in entry_points(_GROUP))]
 
     def __repr__(self) -> str:
         return f"<Environment '{self.filename}'>"
@@ -171,6 +182,27 @@ class Environment(ViewMethods, TimeMethods):
                 logger.warning("env.properties(%s) takes degrees from %g to %g, got %g", key, -most, most, value)
             self.environment_properties[key] = checked_property(key, value)
 
+    def alter(self, modifier_name: str, **kwargs: object) -> None:
+        """Add a modifier to all sensors that it fits, also to those that are created while the simulation runs.
+
+        Args:
+            modifier_name: e.g. ``NED`` or ``Noise``.
+            **kwargs: options of the modifier.
+
+        Raises:
+            MorseBuilderError: there is no such modifier.
+            OptionError: the modifier has no such option, or the value is not valid.
+        """
+        name = checks.text(modifier_name, "env.alter(modifier_name)")
+        classpaths = set(catalog.modifier_classes().get(name, {}).values())
+        if not classpaths:
+            choices = catalog.modifier_classes()
+            hint = checks.suggestion(name, choices) or f"; there are {', '.join(sorted(choices))}"
+            raise MorseBuilderError(f"there is no modifier '{name}'{hint}")
+        for classpath in sorted(classpaths):
+            kwargs = modifier_options(classpath, kwargs)
+        self._alterations.append(SensorAlteration(name, kwargs, frames.source_line()))
+
     # --- accepted for old scripts -----------------------------------------------------------
 
     def set_background_scene(self, scene: object = None) -> None:
@@ -190,6 +222,27 @@ class Environment(ViewMethods, TimeMethods):
     def save(self, filepath: str | None = None, check_existing: bool = False) -> None:
         """Accepted for old scripts, without effect, because scenes are not written to model files."""
         _without_effect("save")
+
+
+def _method_of_a_package(name: str) -> Callable[..., object] | None:
+    """The function that an installed package, or the project, adds to `Environment` under that name; None for no such.
+
+    Raises:
+        MorseBuilderError: the package cannot be loaded.
+    """
+    point = next((point for point in entry_points(_GROUP) if point.name == name), None)
+    if point is None:
+        return None
+    try:
+        return load_point(point, _function)
+    except PluginError as error:
+        raise MorseBuilderError(f"env.{name} of the package {point.value} cannot be used: {error}") from None
+
+
+def _function(method: Callable[..., object]) -> Callable[..., object]:
+    if not callable(method):
+        raise TypeError(f"it is {method!r:.80}, expected a function whose first argument is the environment")
+    return method
 
 
 def connect_by_default(robot: Robot) -> None:

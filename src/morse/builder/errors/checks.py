@@ -240,6 +240,8 @@ def unknown_attribute(owner: object, name: str) -> NoReturn:
     else:
         # classes with slots have no __dict__, and access to it would call this function again
         kind, names = type(owner).__name__, [*dir(type(owner)), *(vars(owner) if type(owner).__dictoffset__ else ())]
+        if "__dir__" in vars(type(owner)):
+            names += dir(owner)
     old = (word for entry in compatibility.installed() for word in entry.attributes(owner))
     near = closest(name, [word for word in (*names, *old) if not word.startswith("_")])
     hint = f"; did you mean '{near}'?" if near else ""

@@ -195,6 +195,12 @@ def _modifiers_of(package: str) -> Iterator[Entry]:
             yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
 
 
+def fitting_modifier(name: str, component: type) -> str | None:
+    """The class path of the modifier of that name for a component; None if it has none."""
+    fitting = modifier_classes().get(name, {})
+    return next((fitting[base.__name__] for base in component.__mro__ if base.__name__ in fitting), None)
+
+
 def find_modifier(name: str, component: type | None) -> str:
     """The class path of the modifier of that name for a component.
 

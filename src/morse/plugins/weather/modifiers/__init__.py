@@ -1,0 +1,1 @@
+"""What the weather changes in measurements."""
