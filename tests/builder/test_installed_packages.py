@@ -152,9 +152,9 @@ def test_entry_points_are_those_of_importlib(site: Path, monkeypatch: pytest.Mon
 
     assert plugins.entry_points("morse.no_such_group") == ()
     monkeypatch.syspath_prepend(str(site))
-    (point,) = plugins.entry_points("morse.modifiers")
-    assert point in metadata.entry_points(group="morse.modifiers")
-    assert point.value == "my_lab.changes"
+    points = plugins.entry_points("morse.modifiers")
+    assert set(metadata.entry_points(group="morse.modifiers")) <= set(points)
+    assert "my_lab.changes" in [point.value for point in points]
 
 
 @pytest.mark.parametrize("text", [b"[morse.modifiers]\nbroken\n", b"[morse.modifiers]\n\xff = a\n"])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import norm
 from morse.physics.engine_functions import Sleep
 from morse.physics.model.layout import Motion
 from morse.physics.poses.kinematics import Rows
@@ -98,7 +99,7 @@ class Impacts:
         self._model, self._data, self._of_geom = model, data, restitution
         self.is_needed = bool((restitution >= 0.0).any())
         self._step = float(model.opt.timestep)
-        self._resting = _RESTING_STEPS * self._step * float(np.linalg.norm(model.opt.gravity)) + 1e-3
+        self._resting = _RESTING_STEPS * self._step * norm(model.opt.gravity) + 1e-3
         self._elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
 
     def change(self) -> None:

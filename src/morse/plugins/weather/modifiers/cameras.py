@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -12,8 +12,11 @@ from morse.plugins.weather.services import present
 from morse.sensors.camera import PictureModifier
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
+    from morse.core.declarations import Option
     from morse.core.object import Object
     from morse.core.values import Options
     from morse.plugins.weather.medium import Conditions, Drops
@@ -46,6 +49,7 @@ class CameraInWeather(PictureModifier):
 
     _names = ("Weather",)
     _components = ("VideoCamera",)
+    options: ClassVar[Mapping[str, Option]] = {}
     component_instance: VideoCamera
     not_state = (*PictureModifier.not_state, "_known", "_tables", "_lens", "_lengths")
 
@@ -152,6 +156,7 @@ class DepthInWeather(PictureModifier):
 
     _names = ("Weather",)
     _components = ("AbstractDepthCamera",)
+    options: ClassVar[Mapping[str, Option]] = {}
 
     def modify_picture(self, picture: Picture, time: float) -> Picture:
         """Return the picture without what is too far away."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from morse.plugins.weather.medium import Beam
 from morse.plugins.weather.services import present
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option
     from morse.core.object import Object
     from morse.core.values import Options
     from morse.plugins.weather.medium import Conditions, Passage
@@ -25,6 +28,7 @@ class ScannerInWeather(AbstractModifier):
 
     _names = ("Weather",)
     _components = ("LaserScanner",)
+    options: ClassVar[Mapping[str, Option]] = {}
     component_instance: LaserScanner
     not_state = (*AbstractModifier.not_state, "_known", "_passage")
 
