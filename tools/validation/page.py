@@ -26,11 +26,8 @@ CHAPTERS = (
     ("Linkages and arms", coupling),
     ("Sensors", sensing),
     ("Cameras", seeing),
-<<<<<<< HEAD
     ("Radar, sonar and other senses", senses),
-=======
     ("Weather", weather),
->>>>>>> 2b072bae (Weather: fog, rain, snow, dust and wind on scanners, cameras and aircraft, as a plug-in)
     ("The engine", engine),
 )
 HEAD = """# Validation
