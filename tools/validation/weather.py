@@ -45,9 +45,8 @@ def figures() -> Iterator[Figure]:
     for rate, decibels in ((12.0, 5.687), (50.0, 14.79)):
         loss = 10.0 * math.log10(math.exp(Conditions(rain=rate).extinction(VISIBLE) * 1000.0))
         yield Figure(f"rain of {rate:g} mm/h", "loss of light, dB/km", decibels, loss, 0.05, "ITU-R P.1814")
-    yield Figure(
-        "rain of 10 mm/h", "loss at 77 GHz, dB/km", 5.75, Conditions(rain=10.0).attenuation_of_radio(77.0), 0.1, "ITU-R P.838-3"
-    )  # fmt: skip
+    radio = Conditions(rain=10.0).attenuation_of_radio(77.0)
+    yield Figure("rain of 10 mm/h", "loss at 77 GHz, dB/km", 5.75, radio, 0.1, "ITU-R P.838-3")
     (drops,) = drops_of(Conditions(rain=12.0))
     diameters = np.linspace(0.0, 8.0, 4001)
     density = drops.intercept * np.exp(-drops.slope * diameters)
