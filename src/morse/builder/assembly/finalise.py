@@ -15,7 +15,7 @@ from morse.builder.components.passive import Zone as ZoneComponent
 from morse.builder.components.robot import Robot, connect
 from morse.builder.errors import ScriptError, Step, checks
 from morse.builder.names.catalog import load_class
-from morse.core.declarations import data_fields, properties
+from morse.core.declarations import data_fields
 from morse.core.exceptions import MorseBuilderError
 from morse.core.reports.quoting import nearest
 from morse.mathutils.portable import matmul
@@ -131,7 +131,7 @@ class Displaying:
 
 def _is_camera(component: ComponentDeclaration) -> bool:
     cls = load_class(component.classpath)
-    return "image" in data_fields(cls) or any(one.name == "cam_width" for one in properties(cls).values())
+    return "image" in data_fields(cls) or hasattr(cls, "shown")
 
 
 def _prefixes(text: str) -> Iterable[str]:

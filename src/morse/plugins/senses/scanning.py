@@ -52,9 +52,13 @@ class ScanningSensor(Sensor):
         """Return the number of rays that the properties demand."""
         raise NotImplementedError
 
+    def cell_count(self) -> float:
+        """Return the number of cells of an image that the properties demand."""
+        return 0.0
+
     def sensing_cost(self) -> float:
-        """Return the cost of the rays, in pixels."""
-        return RAY * self.ray_count()
+        """Return the cost of the rays and of the cells, in pixels: what clients set has a budget."""
+        return RAY * self.ray_count() + self.cell_count()
 
     def _shape(self) -> tuple[object, ...]:
         return tuple(getattr(self, name) for name in self.shaping)

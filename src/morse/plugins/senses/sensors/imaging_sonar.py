@@ -126,6 +126,10 @@ class ImagingSonar(ScanningSensor):
         """Return the largest distance, m."""
         return self.max_range
 
+    def cell_count(self) -> float:
+        """Return the number of pixels of the image."""
+        return float(self.beams * self.bins)
+
     def ray_count(self) -> float:
         """Return the number of rays."""
         return float(self.beams * self.elevation_rays)

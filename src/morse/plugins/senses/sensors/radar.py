@@ -200,6 +200,10 @@ class Radar(ScanningSensor):
         across, up = self._counts()
         return float(across * up)
 
+    def cell_count(self) -> float:
+        """Return the number of cells of the map, as pixels: one takes as long as ten of a picture."""
+        return 10.0 * self.range_bins * self.doppler_bins
+
     def directions(self) -> Floats:
         """Return a grid of equal angles."""
         across, up = self._counts()
@@ -286,11 +290,11 @@ class Radar(ScanningSensor):
         ranges, range_share = _spread(echoes[:, 0] / self.range_resolution - 0.5)
         speeds, speed_share = _spread((echoes[:, 3] + self.max_velocity) / width)
         inside = (ranges >= 0) & (ranges < rows)
-        power = np.zeros(rows * columns)
-        for row, share, good in zip(ranges, range_share * echoes[:, 4], inside, strict=True):
-            for column, part in zip(speeds % columns, speed_share, strict=True):
-                cells = (row * columns + column)[good]
-                power += np.bincount(cells, (share * part)[good], minlength=rows * columns)
+        # (4, 4, N): each echo fills four cells of range and four of velocity
+        cells = ranges[:, None] * columns + speeds % columns
+        shares = (range_share * echoes[:, 4])[:, None] * speed_share
+        good = np.broadcast_to(inside[:, None], cells.shape)
+        power = np.bincount(cells[good], shares[good], minlength=rows * columns)
         # the amplitude of the noise is complex and Gaussian, its power exponential
         noise = self.tick_random("map").standard_exponential(rows * columns) if self.errors else 1.0
         return log10(power + noise).reshape(rows, columns).astype(np.float32) * np.float32(10.0)

@@ -84,6 +84,10 @@ class SideScanSonar(ScanningSensor):
         """Return the largest distance, m."""
         return self.max_range
 
+    def cell_count(self) -> float:
+        """Return the number of pixels of the image."""
+        return 2.0 * self.samples * self.pings
+
     def ray_count(self) -> float:
         """Return the number of rays."""
         return 2.0 * self.ray_number
