@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from morse.scene import Mesh, Node, Scene
 
-_SOLID = (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER)
+_SOLID = (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER, PhysicsType.KINEMATIC)
 _FITTED = (Bounds.BOX, Bounds.SPHERE, Bounds.CYLINDER, Bounds.CONE, Bounds.CAPSULE)
 
 #: minimum thickness of a hull, m, and as a share of its coordinates, which the engine rounds to 32 bits
@@ -179,9 +179,13 @@ class _Resolving:
 
 def _moves(node: Node) -> bool:
     """Whether a node is a moving body, or a part of one."""
-    while node.parent is not None and not node.body.moves:
+    while node.parent is not None and not _is_moved(node):
         node = node.parent
-    return node.body.moves
+    return _is_moved(node)
+
+
+def _is_moved(node: Node) -> bool:
+    return node.body.moves or node.body.type is PhysicsType.KINEMATIC
 
 
 def _place(node: Node) -> str:

@@ -116,6 +116,8 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
         return by_hand
     bases: tuple[type[Component], ...]
     if kind == "robots":
+        if by_package := (entry.defaults or {}).get("builder"):
+            return catalog.load_class(by_package)
         bases = (DeclaredRobot, DRIVES[(entry.defaults or {}).get("drive", "ground")])
     else:
         bases = (next(_with_methods(entry.classpath), _CREATORS[kind]),)
@@ -160,6 +162,8 @@ def builder_class(cls: type, product: str | None = None, module: str | None = No
     doc = builder_defaults(cls, product).doc or cls.__dict__.get("_short_desc") or inspect.getdoc(cls) or ""
     bases: tuple[type[Component], ...]
     if kind == "robots":
+        if by_package := robot_defaults(cls).builder:
+            return catalog.load_class(by_package)
         bases = (DeclaredRobot, DRIVES[robot_defaults(cls).drive])
     else:
         bases = (next((_WITH_METHODS[path] for path in paths if path in _WITH_METHODS), _CREATORS[kind]),)

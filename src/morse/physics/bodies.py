@@ -14,9 +14,9 @@ from morse.physics.engine_functions import count_weightless, wake
 from morse.physics.gliding import glide_velocity
 from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
-from morse.physics.poses.convert import FORCE
+from morse.physics.poses.convert import FORCE, POSITION
 from morse.physics.poses.kinematics import settle_fixed
-from morse.scene import ShapeKind
+from morse.scene import PhysicsType, ShapeKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,6 +61,57 @@ class MovedShapes:
             start = int(model.body_bvhadr[body])
             model.bvh_aabb[start : start + len(boxes)] = boxes
         self._boxes.clear()
+
+
+class KinematicBodies:
+    """Bodies that explicit calls move; see `morse.core.world.KinematicBodies`.
+
+    Raises:
+        ValueError: one of them is no such body.
+    """
+
+    def __init__(self, state: EngineState, indices: Sequence[int]) -> None:
+        for index in indices:
+            frame = state.slots[index].frame
+            if frame.node.body.type is not PhysicsType.KINEMATIC:
+                raise ValueError(
+                    f"'{frame.node.name}' is not a kinematic body: its physics type is {frame.node.body.type}"
+                )
+        self._state, self._indices = state, np.array(indices, dtype=np.intp)
+        self._rows = [row for row, index in enumerate(indices) if state.slots[index].mocap >= 0]
+        self._mocap = np.array([state.slots[indices[row]].mocap for row in self._rows], dtype=np.intp)
+        self._model = state.model
+
+    def place(self, positions: NDArray[np.float64], quaternions: NDArray[np.float64]) -> None:
+        """See `morse.core.world.KinematicBodies`."""
+        state, count = self._state, len(self._indices)
+        if state.model is not self._model:  # objects were added or removed
+            raise RuntimeError("the bodies have changed: ask the world for them again")
+        p, q = np.asarray(positions, dtype=np.float64), np.asarray(quaternions, dtype=np.float64)
+        if p.shape != (count, 3) or q.shape != (count, 4):
+            raise ValueError(f"expected positions ({count}, 3) and quaternions ({count}, 4), got {p.shape}, {q.shape}")
+        lengths = np.sqrt((q * q).sum(axis=1))
+        if not (np.abs(p) <= POSITION.limit).all() or not (np.isfinite(lengths) & (lengths > 0.0)).all():
+            raise ValueError(f"positions are at most {POSITION.limit:g} m, quaternions are not 0, and both are finite")
+        q = q / lengths[:, None]
+        w, x, y, z = q.T
+        rotations = np.stack(
+            (
+                *(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+                *(2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+                *(2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+            ),
+            axis=1,
+        )
+        state.positions.put(self._indices, p)
+        state.rotations.put(self._indices, rotations)
+        for index, quaternion in zip(self._indices.tolist(), q.tolist(), strict=True):
+            state.quaternions[index] = quaternion
+        if self._rows:
+            state.is_stirred = True
+            state.data.mocap_pos[self._mocap], state.data.mocap_quat[self._mocap] = p[self._rows], q[self._rows]
+            state.touched.update(self._indices[self._rows].tolist())
+        state.stamp += 1
 
 
 #: a few numbers of the engine are written in this way in a third of the time that an array takes

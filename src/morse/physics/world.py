@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from morse.kernel.loading import library
-from morse.physics.bodies import Bodies
+from morse.physics.bodies import Bodies, KinematicBodies
 from morse.physics.driving.drives import Drives
 from morse.physics.driving.fleet import Fleet, WheelFleet
 from morse.physics.driving.traction import Traction
@@ -391,6 +391,10 @@ class World(RayWorld):
     def wheel_fleet(self, objects: Sequence[Posed]) -> WheelFleet:
         """Create a fleet of robots whose wheels are turned by one call."""
         return WheelFleet(self, [obj.slot for obj in objects])
+
+    def kinematic_bodies(self, objects: Sequence[Posed]) -> KinematicBodies:
+        """Create what moves bodies of the type ``KINEMATIC`` by one call."""
+        return KinematicBodies(self, [obj.slot for obj in objects])
 
     def snapshots(self, objects: Sequence[Posed]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
 class PhysicsType(StrEnum):
     """The physics types of scene scripts and model files.
 
+    ``KINEMATIC`` bodies are moved by explicit calls alone, each on its own, wherever they are in the tree: nothing
+    moves them, and they push what they meet. Those that are ghosts have no body in the engine: rays and images show
+    them.
+
     ``AUTO`` stands for a file without physics settings. It is resolved when the file is loaded (`morse.assets.rules`),
     so that a built scene does not contain it.
     """
@@ -28,6 +32,7 @@ class PhysicsType(StrEnum):
     SOFT_BODY = "SOFT_BODY"
     OCCLUDER = "OCCLUDER"
     NAVMESH = "NAVMESH"
+    KINEMATIC = "KINEMATIC"
 
 
 class Bounds(StrEnum):
@@ -87,7 +92,7 @@ class BodySettings:
     @property
     def collides(self) -> bool:
         """Whether other bodies collide with the body."""
-        return (self.moves or self.type is PhysicsType.STATIC) and not self.ghost
+        return (self.moves or self.type in (PhysicsType.STATIC, PhysicsType.KINEMATIC)) and not self.ghost
 
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)

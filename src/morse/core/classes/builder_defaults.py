@@ -66,6 +66,7 @@ class RobotDefaults:
         properties: values that differ from the declared defaults, and tags.
         rigid_body: True if forces move the body, whatever the model file declares.
         collides: False if nothing collides with the robot, whatever the model file declares.
+        builder: class path of the builder class, for a robot whose scripts call more than the derived methods.
     """
 
     model: str | None = None
@@ -74,6 +75,7 @@ class RobotDefaults:
     properties: Properties = field(default_factory=dict)
     rigid_body: bool = False
     collides: bool = True
+    builder: str = ""
 
 
 def builder_defaults(cls: type, product: str | None = None) -> BuilderDefaults:

@@ -7,6 +7,7 @@ from morse.core.world.body import Bodies, Body, BodyNames, Joints, Pose, Wheel
 from morse.core.world.world import (
     Fleet,
     Hanging,
+    KinematicBodies,
     Linkage,
     PoseTable,
     RayBundle,
@@ -25,6 +26,7 @@ __all__ = [
     "Fleet",
     "Hanging",
     "Joints",
+    "KinematicBodies",
     "Linkage",
     "Pose",
     "PoseTable",

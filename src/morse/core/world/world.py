@@ -172,6 +172,13 @@ class World(WorldPoses, Protocol):
     def wheel_fleet(self, objects: Sequence[Body]) -> Fleet:
         """Create a fleet of robots whose wheels are turned by one call."""
 
+    def kinematic_bodies(self, objects: Sequence[Body]) -> KinematicBodies:
+        """Create what moves bodies of the type ``KINEMATIC`` by one call.
+
+        Raises:
+            ValueError: an object is no such body.
+        """
+
     def linkage(self, armature: Body, bones: Sequence[Bone], hanging: Sequence[Hanging]) -> Linkage:
         """Create a linkage: objects on bones that joints move."""
 
@@ -385,6 +392,22 @@ class Fleet(Protocol):
 
     def drive(self) -> None:
         """Drive all robots during the next tick."""
+
+
+class KinematicBodies(Protocol):
+    """Bodies of the type ``KINEMATIC``, which nothing but calls moves: people, doors, belts, cars."""
+
+    def place(self, positions: NDArray[np.float64], quaternions: NDArray[np.float64]) -> None:
+        """Set all poses.
+
+        Args:
+            positions: (N, 3) of the origins in the world, m.
+            quaternions: (N, 4) w, x, y, z from the axes of the bodies to those of the world; they are normalised.
+
+        Raises:
+            ValueError: an array has another shape, or a value is not finite or too large.
+            RuntimeError: objects of the world were added or removed since `World.kinematic_bodies`.
+        """
 
 
 class Snapshots(Protocol):

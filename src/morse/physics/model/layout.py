@@ -35,7 +35,7 @@ class Frame:
         node: the first node, whose frame is the frame of the group.
         motion: free frames are dynamic; kinematic frames are moved by explicit calls and push others; hinge frames
             rotate about the local Z axis of their node; joint frames are moved by joints of an armature; virtual frames
-            have no shape.
+            have no shape, or none that collides, and are moved by explicit calls.
         members: the node and the nodes below it that move with it.
         solid: the members with a shape that collides or is hit by rays.
         parent: the frame to which a hinge or joint frame is attached.
@@ -72,11 +72,12 @@ class Frame:
         return frame
 
 
+_WITH_SHAPES = (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER, PhysicsType.KINEMATIC)
+
+
 def has_shape(node: Node) -> bool:
     """Whether a node takes part in collisions, or only in contacts and rays."""
-    return bool(node.shapes) and (
-        node.body.moves or node.body.type in (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER)
-    )
+    return bool(node.shapes) and (node.body.moves or node.body.type in _WITH_SHAPES)
 
 
 def driven_wheels(robot: ComponentDeclaration | None) -> list[str]:
@@ -99,7 +100,11 @@ def frames_of(scene: Scene) -> list[Frame]:
         if node.name in wheels and frame is not None and frame.motion is Motion.FREE:
             frame = Frame(node, Motion.HINGE, parent=frame)
             frames.append(frame)
-        elif frame is None or (node in robots and frame.robot is None):
+        elif (
+            frame is None
+            or (node in robots and frame.robot is None)
+            or (node.body.type is PhysicsType.KINEMATIC and frame.motion in (Motion.FIXED, Motion.KINEMATIC))
+        ):
             frame = Frame(node, _motion(node, node in robots), robot=robots.get(node))
             frames.append(frame)
         frame.members.append(node)
@@ -127,9 +132,16 @@ def frames_of(scene: Scene) -> list[Frame]:
     for frame in frames:
         if frame.carries and frame.motion is Motion.FIXED:
             frame.motion = Motion.KINEMATIC
-        if frame.motion is Motion.KINEMATIC and not frame.has_body:
+        if frame.motion is Motion.KINEMATIC and not (frame.has_body and _touches(frame)):
             frame.motion = Motion.VIRTUAL
     return frames
+
+
+def _touches(frame: Frame) -> bool:
+    """Whether a frame that explicit calls move touches anything; the engine spends time on each body that it has."""
+    if frame.node.body.type is not PhysicsType.KINEMATIC:
+        return True
+    return any(node.body.type is PhysicsType.SENSOR or node.body.collides for node in frame.solid)
 
 
 def _measured_bones(scene: Scene) -> dict[Node, set[str]]:
@@ -191,7 +203,7 @@ class _Hanging:
 def _motion(node: Node, is_robot: bool) -> Motion:
     if node.body.moves and (_collides_somewhere(node) or _is_free_in_file(node)):
         return Motion.FREE
-    if is_robot or node.body.moves or _is_joined_in_file(node):
+    if is_robot or node.body.moves or node.body.type is PhysicsType.KINEMATIC or _is_joined_in_file(node):
         return Motion.KINEMATIC
     return Motion.FIXED
 

@@ -123,6 +123,15 @@ class Rows:
             row = self._rows[index] = self._row.unpack_from(self.array, self._size * index)  # type: ignore[arg-type]
         return row
 
+    def put(self, index: NDArray[np.intp], values: NDArray[np.float64]) -> None:
+        """Replace some rows (M,) by values (M, D)."""
+        self._own()
+        self._made.clear()
+        self.array[index] = values
+        rows = self._rows
+        for row in index.tolist():
+            rows[row] = None
+
     def __setitem__(self, index: int, values: Sequence[float]) -> None:
         self._own()
         self._made.clear()

@@ -1,0 +1,1 @@
+"""People: crowds that walk, are seen by sensors and touch robots."""

@@ -1,0 +1,780 @@
+"""A crowd of people."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from morse.core.classes.builder_defaults import RobotDefaults
+from morse.core.exceptions import MorseError, MorseRPCInvokationError
+from morse.core.limits import Position
+from morse.core.reports.quoting import nearest as nearest_name
+from morse.core.robot import Robot
+from morse.core.services import service
+from morse.core.state import StateError
+from morse.core.validation.arguments import Range
+from morse.helpers.components import add_data, add_property, add_state
+from morse.plugins.people.contacts import Footprint, footprint, nearest, press, regions
+from morse.plugins.people.gait import Gait
+from morse.plugins.people.walking import Orca, Others, SocialForce, Walkers, neighbours
+from morse.plugins.people.wayfinding import Ground, Way, inside, walls
+from morse.scene import PhysicsType
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.core.values import StateData
+    from morse.core.world import Body
+
+    Floats = NDArray[np.float64]
+
+#: what a person does
+WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT = range(8)
+_WORDS = ("walks", "stopped", "sent", "waits", "arrived", "gone", "outside", "left out")
+_STANDING = (STOPPED, WAITS, ARRIVED, LEFT_OUT)
+_ABSENT = (GONE, OUTSIDE, LEFT_OUT)
+#: m, around starts and goals, in which ways are searched
+_AROUND = 12.0
+#: m: a person has arrived; m: how far from a solid object people stop who go to it
+_ARRIVES, _BESIDE = 0.4, 3.0
+#: tries for each person to find a free place; places to enter at, one after the other
+_TRIES, _DOORS = 400, 12
+#: s: a contact that lasts longer is a pressure, not an impact (ISO/TS 15066, 5.5.4)
+_IMPACT = 0.5
+#: kg of a man of 1.75 m; the mass goes with the square of the height
+_MASS = 76.0
+#: most ways that people were sent to, which are kept
+_MOST_WAYS = 64
+
+_Person = Annotated[int, Range(0, 5000)]
+
+
+class _Mover(NamedTuple):
+    """A robot that people may see and touch."""
+
+    body: Body
+    print: Footprint
+    seen: NDArray[np.bool_]
+
+
+class Crowd(Robot):
+    """People who walk to their goals, give way to each other and to robots, and are seen by sensors.
+
+    Their places and free speeds follow from the seed of the run. They walk by a model of the literature, which
+    `morse.plugins.people.walking` describes with its sources, around all that stands in the world. Lidars hit their
+    legs and trunks, cameras and the live view show them. Contacts with robots push both, with the forces of
+    ISO/TS 15066.
+    """
+
+    _name = "Crowd"
+    _short_desc = "People who walk to their goals and give way to each other and to robots"
+    _builder = RobotDefaults(drive="free", builder="morse.plugins.people.builder.Crowd")
+
+    add_data(
+        "positions",
+        np.zeros((0, 3)),
+        "list",
+        "Where people stand, also those who are absent",
+        unit="m",
+        frame="world",
+        shape=(None, 3),
+        dtype="float64",
+    )
+    add_data(
+        "velocities",
+        np.zeros((0, 3)),
+        "list",
+        "Velocities",
+        unit="m/s",
+        frame="world",
+        shape=(None, 3),
+        dtype="float64",
+    )
+    add_data("present", np.zeros(0, dtype=bool), "list", "Who is in the world", shape=(None,), dtype="bool")
+    add_data(
+        "groups",
+        np.zeros(0, dtype=np.int32),
+        "list",
+        "Number of the group; -1 for those who walk alone",
+        shape=(None,),
+        dtype="int32",
+    )
+    add_data(
+        "contacts", [], "list", "Contacts with robots in this tick: person, robot, force (N), region, limit (N), point"
+    )
+    add_data("exceeded", 0, "int", "Contacts so far whose force was above the limit of ISO/TS 15066", low=0)
+
+    _model: str
+    _free_speed: float
+    _deviation: float
+    _radius: float
+    _groups: float
+    _heights: str
+    _rides: int
+    _plan: str
+    _attention: str
+    add_property("_model", "social-force", "Model", "string", "How people walk", choices=("social-force", "orca"))
+    add_property("_free_speed", 1.34, "Speed", "float", "Mean of the free speeds", unit="m/s", low=0.0, high=10.0)
+    add_property(
+        "_deviation", 0.26, "Deviation", "float", "Standard deviation of the free speeds", unit="m/s", low=0.0, high=3.0
+    )
+    add_property("_radius", 0.2, "Radius", "float", "Radius of a body seen from above", unit="m", low=0.1, high=1.0)
+    add_property("_groups", 0.0, "Groups", "float", "Share of the people who walk in groups", low=0.0, high=1.0)
+    add_property(
+        "_heights", "[]", "Heights", "string", "Heights of the people, m, as JSON; written by the scene script"
+    )
+    add_property("_rides", 0, "Rides", "int", "Number of the first people, who sit in wheelchairs", low=0)
+    add_property("_plan", "{}", "Plan", "string", "Starts and goals as JSON; written by the scene script")
+    add_property("_attention", "{}", "Attention", "string", "Share of the people who see a robot, by its name, as JSON")
+
+    add_state("_touching", dict, "Begin of the contacts of people and robots", unit="s")
+    add_state("_reported", dict, "Contacts that were above the limit")
+
+    not_state: ClassVar[tuple[str, ...]] = ("local_data",)
+
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
+        super().__init__(obj, parent)
+        heights = np.array(json.loads(self._heights), dtype=np.float64)
+        self._count = count = len(heights)
+        self._seconds = 1.0 / self.clock.frequency
+        self._floor = float(obj.world_pose()[0][2])
+        self._law = Orca() if self._model == "orca" else SocialForce()
+        self._touching: dict[str, float] = {}
+        self._reported: dict[str, bool] = {}
+        self._random = self.context.random(self.name())
+        self._flows = self._read_plan()
+        self._movers: list[_Mover] | None = None
+        self._others: list[Crowd] = []
+        self.flow = np.full(count, -1, dtype=np.intp)
+        self.stage = np.zeros(count, dtype=np.intp)
+        self.mode = np.full(count, WALKS, dtype=np.intp)
+        self.until = np.zeros(count)
+        self.target = np.zeros((count, 2))
+        self._ways: dict[bytes, Way] = {}
+        rides = np.arange(count) < int(self._rides)
+        radius = np.where(rides, np.maximum(0.38, self._radius), self._radius * np.minimum(heights / 1.7, 1.0) ** 0.5)
+        self.ground = self._survey(float(radius.min(initial=1.0)))
+        self.walkers = Walkers.at(self.ground, np.zeros((count, 2)), 0.0, radius)
+        self.walkers.mass = _MASS * (heights / 1.75) ** 2 + np.where(rides, 20.0, 0.0)
+        self._settle(heights)
+        heading = self.walkers.wanted.copy()
+        heading[(heading == 0.0).all(axis=1)] = (1.0, 0.0)
+        draw = self._random.random(count)
+        self.gait = Gait.at(self.walkers.position, heading, heights, rides, np.floor(8.0 * draw))
+        trunks = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
+        legs = [[node.children[side] for node in trunks if node.children] for side in (0, 1)]
+        self._bodies = [self.context.world.object_of(node) for node in (*trunks, *legs[0], *legs[1])]
+        self._rows = self.context.world.kinematic_bodies(self._bodies)
+        self._shown = np.ones(count, dtype=bool)
+        self._show()
+
+    # -- the plan --------------------------------------------------------------------------
+
+    def _read_plan(self) -> list[dict[str, Any]]:
+        plan = json.loads(self._plan)
+        flows = [dict(flow) for flow in plan.get("flows", ())]
+        if not flows:
+            raise MorseError(f"{self.name()}: nobody knows where to begin: write crowd.start(area)")
+        default = plan.get("default") or {"goals": [], "then": "stay", "wait": 0.0}
+        free = self._count - sum(flow["count"] or 0 for flow in flows)
+        open_flows = [flow for flow in flows if flow["count"] is None]
+        for number, flow in enumerate(open_flows):
+            flow["count"] = free // len(open_flows) + (number < free % len(open_flows))
+        for flow in flows:
+            if flow["goals"] is None:
+                flow.update(default)
+        return flows
+
+    def _survey(self, radius: float) -> Ground:
+        """Return the ground around the starts and goals, with the walls of the scene."""
+        points = [np.array(flow["area"]) for flow in self._flows]
+        points += [np.array(goal).reshape(-1, 2) for flow in self._flows for goal in self._places(flow)]
+        every = np.concatenate(points)
+        low, high = every.min(axis=0) - _AROUND, every.max(axis=0) + _AROUND
+        if float((high - low).max()) > 2000.0:
+            raise MorseError(f"{self.name()}: starts and goals are {(high - low).max():.0f} m apart: at most 2000 m")
+        robots = {declaration.node for declaration in self.context.scene.components if declaration.kind != "sensor"}
+        nodes = []
+        stack = [root for root in self.context.scene.roots if root not in robots]
+        while stack:
+            node = stack.pop()
+            if node.body.moves or node.body.type is PhysicsType.KINEMATIC:
+                continue
+            if node.body.collides:
+                nodes.append(node)
+            stack += [child for child in node.children if child not in robots]
+        return Ground(walls(nodes, self._floor), low, high, radius)
+
+    def _places(self, flow: dict[str, Any]) -> list[Any]:
+        """Return the goals of a flow as points and areas."""
+        found = []
+        for goal in flow["goals"]:
+            if isinstance(goal, str):
+                objects = self.context.world.objects_by_name
+                if goal not in objects:
+                    raise MorseError(
+                        f"{self.name()}: there is no object '{goal:.80}' to go to{nearest_name(goal, sorted(objects))}"
+                    )
+                x, y, _ = objects[goal].world_pose()[0]
+                found.append([x, y])
+            else:
+                found.append(goal)
+        return found
+
+    def _way_to(self, goal: Any) -> Way | None:
+        """Return the way to a point or an area; None if nobody can stand there."""
+        key = np.array(goal, dtype=np.float64)
+        way = self._ways.get(key.tobytes())
+        if way is not None:
+            return way
+        if key.ndim == 1:
+            free = self.ground.nearest_free(key, _BESIDE)
+            if free is None:
+                return None
+            half = 0.75 * self.ground.cell
+            cells = self.ground.cells_in(free + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]))
+        else:
+            cells = self.ground.cells_in(key)
+        if not cells.any():
+            return None
+        if len(self._ways) >= _MOST_WAYS + sum(len(flow["goals"]) for flow in self._flows):
+            self._ways.pop(next(reversed(self._ways)))
+        way = self._ways[key.tobytes()] = self.ground.way_to(cells)
+        return way
+
+    def _settle(self, heights: Floats) -> None:
+        """Give everybody a place, a speed and a group."""
+        random, count = self._random, self._count
+        speeds = np.clip(random.normal(0.0, 1.0, count), -2.0, 2.0) * self._deviation + self._free_speed
+        small = heights < 1.5
+        # children of 1.0 to 1.45 m: 80 to 95 % of the speed; wheelchairs: 1.08 m/s (Weidmann 1993; Boyce et al. 1999)
+        speeds = np.where(small & (np.arange(count) >= int(self._rides)), speeds * (0.45 + 0.35 * heights), speeds)
+        speeds = np.where(np.arange(count) < int(self._rides), speeds * 0.8, speeds)
+        self.walkers.free_speed = np.maximum(speeds, 0.2)
+        self.alert = random.random(count)
+        self.walkers.position[:] = self.ground.origin
+        begin = left_out = 0
+        self._doors = np.zeros((count, _DOORS, 2))
+        placed = np.zeros((0, 2))
+        for number, flow in enumerate(self._flows):
+            rows = np.arange(begin, begin + flow["count"])
+            begin += len(rows)
+            self.flow[rows] = number
+            flow["ways"] = self._ways_of(flow)
+            self._make_groups(rows)
+            area = np.array(flow["area"])
+            if flow["exact"]:
+                self.walkers.position[rows] = area
+                in_wall = self.ground.clearance(area)[0] < self.ground.radius
+                self.mode[rows[in_wall]] = LEFT_OUT
+                left_out += int(in_wall.sum())
+                placed = np.concatenate([placed, area[~in_wall]])
+                continue
+            if flow["over"]:
+                self.mode[rows] = OUTSIDE
+                self.until[rows] = np.sort(random.random(len(rows))) * flow["over"]
+                for row in rows:
+                    self._doors[row] = self._candidates(area, _DOORS, float(self.walkers.radius[row]))
+                continue
+            for row in rows:
+                place = self._free_place(area, row, placed)
+                if place is None:
+                    self.mode[row] = LEFT_OUT
+                    left_out += 1
+                    continue
+                self.walkers.position[row] = place
+                placed = np.concatenate([placed, place[None]])
+        self.mode[self.flow < 0] = LEFT_OUT
+        if left_out:
+            text = (
+                f"{self.name()}: {left_out} of {count} people are left out: the rest of their area has walls or others"
+            )
+            self.context.complaints.warn(text, text)
+        self.walkers.present = ~np.isin(self.mode, _ABSENT)
+        self._find_lost()
+        self._look_ahead()
+
+    def _ways_of(self, flow: dict[str, Any]) -> list[Way]:
+        ways = []
+        for goal, place in zip(flow["goals"], self._places(flow), strict=True):
+            way = self._way_to(place)
+            if way is None:
+                raise MorseError(f"{self.name()}: nobody can stand at the goal {goal!r:.80}: it is within a wall")
+            ways.append(way)
+        return ways
+
+    def _make_groups(self, rows: NDArray[np.intp]) -> None:
+        """Let a share of people walk in groups of 2 to 4, with one speed (Moussaid et al. 2010, figure 1)."""
+        row, last = 0, round(self._groups * len(rows))
+        while row + 2 <= last:
+            size = int(min(self._random.choice([2, 3, 4], p=[0.7, 0.2, 0.1]), last - row))
+            members = rows[row : row + size]
+            self.walkers.group[members] = members[0]
+            self.walkers.free_speed[members] = self.walkers.free_speed[members].mean()
+            row += size
+
+    def _candidates(self, area: Floats, count: int, radius: float) -> Floats:
+        """Return random points (count, 2) of an area where a body has room; the last one again if there are less."""
+        low, high = area.min(axis=0), area.max(axis=0)
+        found = np.zeros((0, 2))
+        for _ in range(20):
+            points = low + self._random.random((max(4 * count, 64), 2)) * (high - low)
+            points = points[inside(area, points)]
+            points = points[self.ground.clearance(points)[0] > radius]
+            found = np.concatenate([found, points])
+            if len(found) >= count:
+                break
+        if not len(found):
+            return np.full((count, 2), np.nan)
+        return found[np.minimum(np.arange(count), len(found) - 1)]
+
+    def _free_place(self, area: Floats, row: int, placed: Floats) -> Floats | None:
+        radius = float(self.walkers.radius[row])
+        points = self._candidates(area, _TRIES, radius)
+        points = points[~np.isnan(points[:, 0])]
+        # a group begins together
+        leader = int(self.walkers.group[row])
+        if leader >= 0 and leader != row and self.mode[leader] == WALKS:
+            apart = points - self.walkers.position[leader]
+            points = points[np.argsort((apart * apart).sum(axis=1), kind="stable")]
+        if not len(points) or not len(placed):
+            return points[0] if len(points) else None
+        distance = 2.0 * max(radius, self._radius) + 0.02
+        i, _ = neighbours(points, distance, placed)
+        good = np.setdiff1d(np.arange(len(points)), i)
+        return points[good[0]] if len(good) else None
+
+    def _find_lost(self) -> None:
+        """Tell who cannot reach a goal; they stay where they are."""
+        lost = np.zeros(self._count, dtype=bool)
+        for number, flow in enumerate(self._flows):
+            rows = np.flatnonzero((self.flow == number) & self.walkers.present)
+            for way in flow["ways"]:
+                lost[rows] |= np.isinf(self.ground.time(way, self.walkers.position[rows]))
+            if len(rows) and lost[rows].all():
+                raise MorseError(
+                    f"{self.name()}: nobody can reach {flow['goals']!r:.120} from {flow['area']!r:.120}: walls are "
+                    f"between, with no passage of {2 * self.ground.radius:.2g} m"
+                )
+        if lost.any():
+            self.mode[lost] = STOPPED
+            text = f"{self.name()}: {int(lost.sum())} people cannot reach a goal, and stay where they are"
+            self.context.complaints.warn(text, text)
+
+    # -- the tick --------------------------------------------------------------------------
+
+    def default_action(self) -> None:
+        """Walk for a tick."""
+        walkers = self.walkers
+        self._enter()
+        self._advance()
+        self._look_ahead()
+        movers = self._seen()
+        others = self._bodies_around(movers)
+        self._touch(movers)
+        walkers.step(self._seconds, self._law, others)
+        self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted)
+        self._show()
+
+    def _enter(self) -> None:
+        """Let those enter whose time has come and for whom there is room."""
+        due = np.flatnonzero((self.mode == OUTSIDE) & (self.until <= self.clock.time))
+        for row in due:
+            doors = self._doors[row]
+            doors = doors[~np.isnan(doors[:, 0])]
+            here = self.walkers.position[self.walkers.present]
+            if not len(doors):
+                self.mode[row] = LEFT_OUT
+                continue
+            i, _ = neighbours(doors, 2.5 * max(self._radius, float(self.walkers.radius[row])), here)
+            free = np.setdiff1d(np.arange(len(doors)), i)
+            if len(free):
+                self.mode[row] = WALKS
+                self.walkers.position[row] = doors[free[0]]
+                self.walkers.present[row] = True
+                self.gait.stand(np.array([row]), self.walkers.position)
+
+    def _advance(self) -> None:
+        """Let those who have arrived wait, go on, or leave."""
+        now = self.clock.time
+        for number, flow in enumerate(self._flows):
+            if not flow["ways"]:
+                continue
+            mine = self.flow == number
+            for stage, way in enumerate(flow["ways"]):
+                rows = np.flatnonzero(mine & (self.mode == WALKS) & (self.stage == stage))
+                if not len(rows):
+                    continue
+                there = mine & (self.stage == stage) & np.isin(self.mode, (WAITS, ARRIVED))
+                reach = _ARRIVES + 0.35 * math.sqrt(int(there.sum()))
+                rows = rows[self.ground.time(way, self.walkers.position[rows]) < reach]
+                self.mode[rows] = WAITS
+                self.until[rows] = now + flow["wait"]
+            rows = np.flatnonzero(mine & (self.mode == WAITS) & (self.until <= now))
+            last = self.stage[rows] + 1 >= len(flow["ways"])
+            self.mode[rows[~last]] = WALKS
+            self.stage[rows[~last]] += 1
+            ends = rows[last]
+            if flow["then"] == "repeat":
+                self.mode[ends], self.stage[ends] = WALKS, 0
+            else:
+                self.mode[ends] = GONE if flow["then"] == "leave" else ARRIVED
+        self.walkers.present = ~np.isin(self.mode, _ABSENT)
+
+    def _look_ahead(self) -> None:
+        """Set where everybody wants to go."""
+        wanted, position = self.walkers.wanted, self.walkers.position
+        wanted[:] = 0.0
+        for number, flow in enumerate(self._flows):
+            for stage, way in enumerate(flow["ways"]):
+                rows = np.flatnonzero((self.flow == number) & (self.mode == WALKS) & (self.stage == stage))
+                if len(rows):
+                    wanted[rows] = self.ground.heading(way, position[rows])
+        sent = np.flatnonzero(self.mode == SENT)
+        for target in np.unique(self.target[sent], axis=0):
+            rows = sent[(self.target[sent] == target).all(axis=1)]
+            found = self._way_to(target.tolist())
+            if found is None:
+                self.mode[rows] = STOPPED
+                continue
+            arrived = self.ground.time(found, position[rows]) < _ARRIVES + 0.35 * math.sqrt(len(rows) - 1.0)
+            self.mode[rows[arrived]] = STOPPED
+            wanted[rows[~arrived]] = self.ground.heading(found, position[rows[~arrived]])
+
+    def _seen(self) -> list[_Mover]:
+        """Return the robots and the moving objects, which people may see and touch."""
+        if self._movers is None or self._arrangement != len(self.context.world.objects_by_name):
+            self._arrangement = len(self.context.world.objects_by_name)
+            self._movers, self._others = [], []
+            shares = json.loads(self._attention)
+            for name in shares:
+                if name not in self.context.robots:
+                    hint = nearest_name(name, sorted(self.context.robots))
+                    text = f"{self.name()}.avoids: there is no robot '{name:.80}'{hint}"
+                    self.context.complaints.warn(text, text)
+            roots = {}
+            for name, robot in self.context.robots.items():
+                if isinstance(robot, Crowd):
+                    if robot is not self:
+                        self._others.append(robot)
+                else:
+                    roots[robot.bge_object] = float(shares.get(name, 1.0))
+            nodes = {body.node for body in roots}
+            for node in self.context.scene.roots:
+                if node not in nodes and node.body.moves and (body := self.context.world.find_object(node)) is not None:
+                    roots[body] = 1.0
+            for body, share in roots.items():
+                found = footprint(body.node, [node for node in body.node.walk() if node.body.collides])
+                if found is not None:
+                    self._movers.append(_Mover(body, found, self.alert < share))
+        return self._movers
+
+    _arrangement = -1
+
+    def _bodies_around(self, movers: list[_Mover]) -> Others:
+        """Return what people see besides each other: robots, moving objects, other crowds."""
+        position, velocity, radius, seen = [], [], [], []
+        for mover in movers:
+            place, turn = mover.body.world_pose()
+            low = place[2] + mover.print.low - self._floor
+            if low > 1.9 or place[2] + mover.print.high - self._floor < 0.05:
+                continue
+            linear, angular = mover.body.velocity()
+            for x, y, r in mover.print.discs.tolist():
+                dx, dy = turn[0] * x + turn[1] * y, turn[3] * x + turn[4] * y
+                position.append((place[0] + dx, place[1] + dy))
+                velocity.append((linear[0] - angular[2] * dy, linear[1] + angular[2] * dx))
+                radius.append(r)
+                seen.append(mover.seen)
+        for crowd in self._others:
+            there = crowd.walkers
+            for row in np.flatnonzero(there.present):
+                position.append(tuple(there.position[row].tolist()))
+                velocity.append(tuple(there.velocity[row].tolist()))
+                radius.append(float(there.radius[row]))
+                seen.append(np.ones(self._count, dtype=bool))
+        if not position:
+            return Others()
+        return Others(np.array(position), np.array(velocity), np.array(radius), np.stack(seen, axis=1))
+
+    def _touch(self, movers: list[_Mover]) -> None:
+        """Let people and robots that touch push each other."""
+        contacts: list[dict[str, Any]] = []
+        walkers, present = self.walkers, np.flatnonzero(self.walkers.present)
+        for mover in movers:
+            place, turn = mover.body.world_pose()
+            outer = float(np.sqrt((mover.print.outline**2).sum(axis=1)).max())
+            apart = walkers.position[present] - np.array([place[0], place[1]])
+            reach = outer + walkers.radius[present] + 0.1
+            close = present[(apart * apart).sum(axis=1) < reach * reach]
+            for person in close.tolist():
+                contact = self._contact(mover, person, place, turn)
+                if contact is not None:
+                    contacts.append(contact)
+        alive = {f"{one['person']} {one['robot']}" for one in contacts}
+        for key in [key for key in self._touching if key not in alive]:
+            del self._touching[key]
+            self._reported.pop(key, None)
+        self.local_data["contacts"] = contacts
+
+    def _contact(self, mover: _Mover, person: int, place: Any, turn: Any) -> dict[str, Any] | None:
+        walkers, body = self.walkers, mover.body
+        low, high = (place[2] + height - self._floor for height in (mover.print.low, mover.print.high))
+        met = regions(low, high, float(self.gait.height[person]))
+        if not met:
+            return None
+        dx, dy = (walkers.position[person] - np.array([place[0], place[1]])).tolist()
+        local = np.array([turn[0] * dx + turn[3] * dy, turn[1] * dx + turn[4] * dy])
+        distance, touched, out = nearest(mover.print.outline, local)
+        overlap = float(walkers.radius[person]) - distance
+        normal = (turn[0] * out[0] + turn[1] * out[1], turn[3] * out[0] + turn[4] * out[1])
+        arm = (turn[0] * touched[0] + turn[1] * touched[1], turn[3] * touched[0] + turn[4] * touched[1])
+        linear, angular = body.velocity()
+        robot = (linear[0] - angular[2] * arm[1], linear[1] + angular[2] * arm[0])
+        own = walkers.velocity[person].tolist()
+        closing = (robot[0] - own[0]) * normal[0] + (robot[1] - own[1]) * normal[1]
+        if overlap + closing * self._seconds <= 0.0:
+            return None
+        # the softest region yields first; the strictest limit holds
+        region = min(met, key=lambda one: one.stiffness)
+        mass = body.mass if body.is_dynamic and body.mass > 0.0 else math.inf
+        impulse, peak = press(overlap, closing, self._seconds, region, mass, float(walkers.mass[person]))
+        if impulse <= 0.0:
+            return None
+        force = impulse / self._seconds
+        walkers.push[person] += (force * normal[0], force * normal[1])
+        if body.is_dynamic:
+            push = (-force * normal[0], -force * normal[1], 0.0)
+            body.wrench(push, (0.0, 0.0, arm[0] * push[1] - arm[1] * push[0]), False)
+        key = f"{person} {body.name}"
+        since = self._touching.setdefault(key, self.clock.time)
+        strict = min(met, key=lambda one: one.pressing)
+        brief = self.clock.time - since < _IMPACT
+        limit = (strict.impact or 0.0) if brief else strict.pressing
+        if peak > limit and key not in self._reported:
+            self._reported[key] = True
+            self.local_data["exceeded"] += 1
+            text = f"{body.name} hits person {person} of {self.name()} with {peak:.0f} N, {strict.name}: ISO/TS 15066"
+            self.context.complaints.warn(f"{self.name()} {body.name}", f"{text} permits {limit:.0f} N")
+        return {
+            "person": person,
+            "robot": body.name,
+            "force": peak,
+            "region": strict.name,
+            "limit": limit,
+            "point": [place[0] + arm[0], place[1] + arm[1], place[2] + 0.5 * (mover.print.low + mover.print.high)],
+        }
+
+    def _show(self) -> None:
+        """Set the bodies and the data."""
+        walkers, data = self.walkers, self.local_data
+        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, self._floor))
+        changed = np.flatnonzero(self._shown != walkers.present)
+        if len(changed):
+            legged = np.cumsum(~self.gait.rides) - 1
+            total = int((~self.gait.rides).sum())
+            for row in changed.tolist():
+                is_here = bool(walkers.present[row])
+                own = [row]
+                if not self.gait.rides[row]:
+                    own += [self._count + int(legged[row]), self._count + total + int(legged[row])]
+                for part in own:
+                    self._bodies[part].setVisible(is_here)
+            self._shown = walkers.present.copy()
+        floor = np.full(self._count, self._floor)
+        data["positions"] = np.column_stack([walkers.position, floor])
+        data["velocities"] = np.column_stack([walkers.velocity, np.zeros(self._count)])
+        data["present"] = walkers.present.copy()
+        data["groups"] = walkers.group.astype(np.int32)
+
+    def trunk(self, person: int) -> Body:
+        """Return the trunk of a person."""
+        return self._bodies[person]
+
+    def record(self, person: int) -> dict[str, object]:
+        """Return what trackers tell of a person; see `PeopleTracker`."""
+        walkers, heading = self.walkers, self.gait.heading[person]
+        return {
+            "name": self._bodies[person].name,
+            "id": person,
+            "group_id": int(walkers.group[person]),
+            "position": [*walkers.position[person].tolist(), self._floor],
+            "velocity": [*walkers.velocity[person].tolist(), 0.0],
+            "yaw": math.atan2(float(heading[1]), float(heading[0])),
+            "radius": float(walkers.radius[person]),
+            "state": _WORDS[self.mode[person]],
+        }
+
+    # -- services --------------------------------------------------------------------------
+
+    def _check(self, person: int) -> None:
+        if not 0 <= person < self._count:
+            raise MorseRPCInvokationError(
+                f"{self.name()} has {self._count} people: 0 to {self._count - 1}, not {person}"
+            )
+        if not self.walkers.present[person]:
+            raise MorseRPCInvokationError(
+                f"person {person} of {self.name()} is not in the world: {_WORDS[self.mode[person]]}"
+            )
+
+    def _demand_way(self, x: float, y: float) -> Way:
+        if not np.isfinite([x, y]).all():
+            raise MorseRPCInvokationError(f"the place ({x}, {y}) is not finite")
+        low = self.ground.origin
+        high = low + self.ground.cell * (np.array([self.ground.shape[1], self.ground.shape[0]]) - 1)
+        if not (low[0] <= x <= high[0] and low[1] <= y <= high[1]):
+            raise MorseRPCInvokationError(
+                f"({x:g}, {y:g}) is outside the ground of {self.name()}: x {low[0]:g} to {high[0]:g} m, "
+                f"y {low[1]:g} to {high[1]:g} m"
+            )
+        way = self._way_to([float(x), float(y)])
+        if way is None:
+            raise MorseRPCInvokationError(f"nobody can stand at ({x:g}, {y:g}), or within {_BESIDE:g} m of it")
+        return way
+
+    @service
+    def send(self, person: _Person, x: Position, y: Position) -> None:
+        """Send a person to a place, where it stands until it is released by `resume`.
+
+        Args:
+            person: number of the person.
+            x: metres, in the world.
+            y: metres, in the world.
+        """
+        self._check(person)
+        way = self._demand_way(x, y)
+        if math.isinf(float(self.ground.time(way, self.walkers.position[[person]])[0])):
+            raise MorseRPCInvokationError(f"person {person} cannot reach ({x:g}, {y:g}): walls are between")
+        self.target[person], self.mode[person] = (x, y), SENT
+
+    @service
+    def call(self, x: Position, y: Position, count: _Person = 1) -> list[int]:
+        """Call the nearest people to a place; return their numbers, those with the shortest way first.
+
+        Args:
+            x: metres, in the world.
+            y: metres, in the world.
+            count: number of people.
+        """
+        way = self._demand_way(x, y)
+        rows = np.flatnonzero(self.walkers.present)
+        time = self.ground.time(way, self.walkers.position[rows])
+        order = np.argsort(time, kind="stable")
+        chosen = rows[order[np.isfinite(time[order])]][:count]
+        self.target[chosen], self.mode[chosen] = (x, y), SENT
+        return [int(row) for row in chosen]
+
+    @service
+    def stop(self, person: int = -1) -> None:
+        """Let a person, or everybody, stand still until `resume` is called.
+
+        Args:
+            person: number of the person; -1 for all.
+        """
+        if person >= 0:
+            self._check(person)
+        rows = np.flatnonzero(self.walkers.present) if person < 0 else np.array([person])
+        self.mode[rows] = STOPPED
+
+    @service
+    def resume(self, person: int = -1) -> None:
+        """Let a person, or everybody, go on with the goals of the scene.
+
+        Args:
+            person: number of the person; -1 for all.
+        """
+        if person >= 0:
+            self._check(person)
+        rows = np.flatnonzero(self.walkers.present) if person < 0 else np.array([person])
+        rows = rows[np.isin(self.mode[rows], (STOPPED, SENT))]
+        self.mode[rows] = WALKS
+
+    @service(changes=False)
+    def ask(self, person: _Person) -> dict[str, Any]:
+        """Return what a person does: state, position and velocity (x, y), free speed, group, height.
+
+        Args:
+            person: number of the person.
+        """
+        if not 0 <= person < self._count:
+            raise MorseRPCInvokationError(
+                f"{self.name()} has {self._count} people: 0 to {self._count - 1}, not {person}"
+            )
+        walkers = self.walkers
+        return {
+            "state": _WORDS[self.mode[person]],
+            "position": walkers.position[person].tolist(),
+            "velocity": walkers.velocity[person].tolist(),
+            "free_speed": float(walkers.free_speed[person]),
+            "group": int(walkers.group[person]),
+            "height": float(self.gait.height[person]),
+        }
+
+    # -- state -----------------------------------------------------------------------------
+
+    def _arrays(self) -> dict[str, Any]:
+        walkers, gait = self.walkers, self.gait
+        return {
+            **{
+                name: getattr(walkers, name)
+                for name in ("position", "velocity", "free_speed", "group", "present", "planned")
+            },
+            **{name: getattr(gait, name) for name in ("phase", "stride", "feet", "heading", "stands")},
+            **{name: getattr(self, name) for name in ("flow", "stage", "mode", "until", "target", "alert")},
+        }
+
+    def get_state(self) -> StateData:
+        """See `Object.get_state`."""
+        state = super().get_state()
+        state["people"] = {name: values.copy() for name, values in self._arrays().items()} | {"lag": self.walkers.lag}
+        return state
+
+    def set_state(self, state: StateData) -> None:
+        """See `Object.set_state`.
+
+        Raises:
+            StateError: the people of the state are not those of the scene.
+        """
+        state = dict(state)
+        people = state.pop("people", None)
+        arrays = self._arrays()
+        if not isinstance(people, dict) or people.keys() != {*arrays, "lag"}:
+            raise StateError(f"the people of {self.name()} are missing")
+        for name, present in arrays.items():
+            given = people[name]
+            fits = isinstance(given, np.ndarray) and given.dtype == present.dtype and given.shape == present.shape
+            if not fits or not np.isfinite(given).all():
+                raise StateError(f"the people of {self.name()} have another '{name}'")
+        if not self._can_be(people):
+            raise StateError(f"the people of {self.name()} are where, or as, nobody can be")
+        super().set_state(state)
+        for name in arrays:
+            owner = next(one for one in (self.walkers, self.gait, self) if hasattr(one, name))
+            setattr(owner, name, people[name].copy())
+        self.walkers.lag = people["lag"]
+        self._movers = None
+        self._show()
+
+    def _can_be(self, people: dict[str, Any]) -> bool:
+        """Whether the values of a state are possible."""
+        flow, stage, group, lag = people["flow"], people["stage"], people["group"], people["lag"]
+        stages = np.array([max(len(one["ways"]), 1) for one in self._flows] + [1])
+        heading = people["heading"]
+        near = all(np.abs(people[name]).max(initial=0.0) < 1e6 for name in ("position", "feet", "target", "planned"))
+        bounds = {"mode": (0, len(_WORDS) - 1), "stride": (0.05, 5.0), "free_speed": (0.0, 20.0), "alert": (0.0, 1.0)}
+        within = all(((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in bounds.items())
+        return bool(
+            near
+            and within
+            and ((flow >= -1) & (flow < len(self._flows))).all()
+            and ((stage >= 0) & (stage < stages[flow])).all()
+            and ((group >= -1) & (group < self._count)).all()
+            and (np.abs((heading * heading).sum(axis=1) - 1.0) < 1e-6).all()
+            and (np.abs(people["velocity"]) < 1e3).all()
+            and ((people["phase"] >= 0.0) & (people["phase"] < 1e9)).all()
+            and isinstance(lag, float)
+            and abs(lag) < 10.0
+        )
