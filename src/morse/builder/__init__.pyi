@@ -155,6 +155,7 @@ from morse.core.exceptions import MorseServiceError as MorseServiceError
 from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
 from morse.core.exceptions import NoComponentError as NoComponentError
 from morse.core.exceptions import UnexportableError as UnexportableError
+from morse.plugins.people.builder import Crowd as Crowd
 from morse.scene.scene import TimeStrategies as TimeStrategies
 from typing import Any, Literal
 import logging as logging
@@ -196,6 +197,7 @@ __all__ = [
     "Configuration",
     "ContactForce",
     "Coordsys",
+    "Crowd",
     "Cube",
     "Cylinder",
     "DAVIS346",
@@ -282,6 +284,7 @@ __all__ = [
     "PTUPosture",
     "PassiveObject",
     "PatrolBot",
+    "PeopleTracker",
     "Ping1D",
     "Pioneer3DX",
     "Plane",
@@ -356,6 +359,10 @@ __all__ = [
     "sys",
 ]
 logger: logging.Logger
+
+class PeopleTracker(SensorCreator):
+    """Measures positions and velocities of the people around a robot"""
+    def properties(self, *, Range: float = ..., Occlusion: bool = ..., **kwargs: Any) -> None: ...
 
 class ARS408(SensorCreator):
     """A Continental ARS 408-21, far scan: 250 m, 18 degrees, resolution of 1.79 m and 1.6 degrees."""
