@@ -133,7 +133,13 @@ class DynamicJoints(JointServices):
                 self._pulled[name], "float", "Command of the motor of a tendon, as the file defines it", frame="joint",
                 low=-_MOST, high=_MOST,
             )  # fmt: skip
-        return fields
+        ranges = {**dict(zip(self.joints, self._bounds(), strict=True)), **self._tendons}
+        return {
+            # motors without a limit have one that nobody reaches
+            name: field._replace(reached=bounds if 0.0 < bounds[1] - bounds[0] < _MOST else None)
+            for name, field in fields.items()
+            for bounds in (ranges.get(name, (0.0, 0.0)),)
+        }
 
     def _pull(self) -> None:
         """Pass new commands to the motors of tendons."""

@@ -108,6 +108,7 @@ _MODULES = {
     "replay": "morse.cli.replay",
     "export": "morse.cli.export",
     "render": "morse.cli.render",
+    "view": "morse.cli.view",
     "sweep": "morse.cli.sweep",
     "edit": "morse.cli.edit",
 }

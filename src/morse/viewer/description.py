@@ -10,7 +10,7 @@ from morse.scene.scene import Overlay, PanelPlace  # noqa: TC001 (msgspec reads 
 
 
 class FieldDescription(Struct, frozen=True):
-    """A data field of a component with its limits ``low`` and ``high``."""
+    """A data field of a component with its limits ``low`` and ``high``; values beyond ``reached`` have no effect."""
 
     name: str
     type: str = ""
@@ -18,6 +18,7 @@ class FieldDescription(Struct, frozen=True):
     unit: str = ""
     low: float | None = None
     high: float | None = None
+    reached: tuple[float, float] | None = None
 
 
 class PropertyDescription(Struct, frozen=True):

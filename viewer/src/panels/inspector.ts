@@ -21,6 +21,7 @@ export class Inspector {
   private readonly properties = new Map<string, Field>();
   /** data of an actuator, by field; created with the first value */
   private readonly commands = new Map<string, Field>();
+  private readonly sliders = new Map<string, HTMLInputElement>();
   private active: HTMLInputElement | null = null;
   private complaint: HTMLElement | null = null;
   private note: HTMLElement | null = null;
@@ -49,7 +50,7 @@ export class Inspector {
 
   private show(name: string | null): void {
     this.shown = name;
-    for (const fields of [this.cells, this.properties, this.commands]) fields.clear();
+    for (const fields of [this.cells, this.properties, this.commands, this.sliders]) fields.clear();
     this.scan = null;
     const component = this.components.find(name);
     const settable = this.drives.value && (component?.kind === "sensor" || component?.kind === "actuator");
@@ -140,7 +141,10 @@ export class Inspector {
   private updateCommand(component: ComponentDescription, name: string, cell: HTMLElement, value: unknown): void {
     const known = this.commands.get(name);
     if (known) {
+      const slider = this.sliders.get(name);
+      if (slider?.matches(":active")) return;
       if (!inUse(known)) fill(known, value);
+      if (slider) slider.value = String(value);
       return;
     }
     const declared = component.data.find((field) => field.name === name) as FieldDescription;
@@ -148,7 +152,22 @@ export class Inspector {
     this.commands.set(name, field);
     const send = (): Promise<Answer> =>
       this.connection.request({ type: "command", component: component.name, fields: { [name]: read(field, declared.type) } });
-    cell.replaceChildren(field, onChange(field, send));
+    const error = onChange(field, send);
+    cell.replaceChildren(field, error);
+    if (declared.reached && field instanceof HTMLInputElement) cell.prepend(this.slider(declared, value, field));
+  }
+
+  /** A slider for the values that a command can reach; the field beside it sends them. */
+  private slider(declared: FieldDescription, value: unknown, field: HTMLInputElement): HTMLInputElement {
+    const [low, high] = declared.reached as [number, number];
+    const slider = h("input", { type: "range", min: String(low), max: String(high), step: "any", "aria-label": `${declared.name}, ${low} to ${high}` });
+    slider.value = String(value);
+    slider.addEventListener("input", () => {
+      field.value = Number(slider.value).toPrecision(4);
+      field.dispatchEvent(new Event("change"));
+    });
+    this.sliders.set(declared.name, slider);
+    return slider;
   }
 
   private propertiesOf(component: ComponentDescription): HTMLElement | null {

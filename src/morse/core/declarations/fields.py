@@ -32,6 +32,7 @@ class DataField(NamedTuple):
         quaternion: whether it is w, x, y, z with length 1.
         allow: allowed values outside of low..high: ``inf``, ``-inf``, ``nan``, ``none``.
         follows: the fields from which `Sensor.report` computes this field; no noise is added to it.
+        reached: the values between which commands have an effect, which the page shows as a slider; None for all.
     """
 
     default: Value
@@ -48,6 +49,7 @@ class DataField(NamedTuple):
     quaternion: bool = False
     allow: tuple[str, ...] = ()
     follows: tuple[str, ...] = ()
+    reached: tuple[float, float] | None = None
 
     def on_level(self, level: str | None) -> bool:
         """Whether a component at that level has the field."""

@@ -273,8 +273,10 @@ class MovingPoses:
         count = state.moving
         end = count + len(rest)
         result = np.empty((end + len(self.displaced), 7), dtype=np.float32)
-        result[:count, :3] = state.data.xpos[1 : count + 1]
-        result[:count, 3:] = state.data.xquat[1 : count + 1]
+        # bodies of a model file that are fixed are among those that move
+        bodies = slice(1, count + 1) if state.engine_rows is None else state.engine_rows
+        result[:count, :3] = state.data.xpos[bodies]
+        result[:count, 3:] = state.data.xquat[bodies]
         # a flat sequence of numbers is converted twice as fast as rows
         positions = chain.from_iterable([state.positions[i] for i in rest])
         quaternions = chain.from_iterable([state.quaternions[i] for i in rest])

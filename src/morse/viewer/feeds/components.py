@@ -105,7 +105,7 @@ def _component(component: Component, kind: str, robot: str) -> ComponentDescript
         active=component.active,
         pictured=hasattr(component, "shown") or "image" in data,
         data=[
-            FieldDescription(name, field.type, field.doc, field.unit, *_bounds(field))
+            FieldDescription(name, field.type, field.doc, field.unit, *_bounds(field), field.reached)
             for name, field in fields_of_component(component).items()
             if name in data
         ],
