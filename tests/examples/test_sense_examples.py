@@ -1,4 +1,4 @@
-"""What a submarine and a car do by the sensors of the examples."""
+"""What a submarine, a car and a robot do by the sensors of the examples."""
 
 import runpy
 from pathlib import Path
@@ -18,6 +18,12 @@ def test_a_submarine_keeps_its_height():
     assert worst < 0.25
     assert passed > 30.0
     assert way == pytest.approx(passed, rel=0.01)
+
+
+def test_a_robot_finds_a_leak():
+    distance, seconds = run("find_plume.py")
+    assert distance < 1.5
+    assert seconds < 120.0
 
 
 def test_a_car_stops_before_a_parked_car_and_not_at_the_sign():

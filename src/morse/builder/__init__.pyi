@@ -218,6 +218,7 @@ __all__ = [
     "FakeRobot",
     "ForceTorque",
     "ForceTorqueSensor",
+    "GNSSReceiver",
     "GPS",
     "GasSensor",
     "GeigerCounter",
@@ -556,6 +557,12 @@ class EventCamera(CameraCreator):
         noise_rate: float = ...,
         errors: bool = ...,
         **kwargs: Any,
+    ) -> None: ...
+
+class GNSSReceiver(SensorCreator):
+    """Position by satellites, with multipath among buildings"""
+    def properties(
+        self, *, reflection: float = ..., range_noise: float = ..., errors: bool = ..., **kwargs: Any
     ) -> None: ...
 
 class GasSensor(SensorCreator):
