@@ -106,6 +106,13 @@ def test_no_package_hides_a_class_of_morse(site: Path) -> None:
     assert "Pose of an installed package is left out" in done.stderr
 
 
+def test_a_class_of_a_package_takes_the_place_of_one_of_a_plugin(site: Path) -> None:
+    """The names of the plug-in and of its entry point come after those of the package in the alphabet."""
+    (site / "my_lab" / "sensors" / "radar.py").write_text(SONAR.replace("Sonar", "Radar"))
+    done = run(site, "from morse.builder import *\nprint(Radar().classpath, DVL().classpath)\n")
+    assert done.stdout.split() == ["my_lab.sensors.radar.Radar", "morse.plugins.senses.sensors.dvl.DVL"], done.stderr
+
+
 def test_a_package_whose_code_fails_is_left_out(site: Path) -> None:
     (site / "my_lab" / "__init__.py").write_text("1 / 0\n")
     done = run(site, "import logging; logging.basicConfig()\nfrom morse.builder import *\nprint(Pose().classpath)\n")

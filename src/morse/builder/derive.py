@@ -91,7 +91,8 @@ def installed_classes(module: str) -> dict[str, type[Component]]:
         module: module of the new classes.
     """
     classes: dict[str, type[Component]] = {}
-    for point in entry_points("morse.components"):
+    # a class of a user's package takes the place of one of the same name in a plug-in of MORSE
+    for point in sorted(entry_points("morse.components"), key=lambda point: not point.value.startswith("morse.")):
         try:
             for kind in _CREATORS | {"robots": DeclaredRobot}:
                 classes |= attempt(partial(derived_classes, f"{point.value}.{kind}", module))
