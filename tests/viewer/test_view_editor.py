@@ -12,6 +12,8 @@ from view_pages import Client, fetch
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import morse
+from morse.builder.editing.changes import Changes
+from morse.builder.editing.writing import changed_script
 from morse.core.classes.project_imports import ProjectImports
 from morse.launch.model_pictures import models
 from morse.scene.extent import visible_extent
@@ -83,6 +85,85 @@ for number in range(3):
 
 env = Environment("empty")
 """
+
+
+def setting(desk: Desk, method: str) -> Any:
+    desk._client.send("list_settings", component="simulation")
+    settings = desk._wait("component_settings", component="simulation")["settings"]
+    return next(one["arguments"][0]["value"] for one in settings if one["method"] == method)
+
+
+def test_settings_of_the_environment_are_written_and_loaded(desk: Desk, tmp_path: Path) -> None:
+    def put(method: str, value: object, **more: object) -> None:
+        desk.do("configure", component="simulation", method=method, values={"": value}, **more)
+
+    assert setting(desk, "set_gravity") == 9.81
+    put("set_gravity", 1.62)
+    put("set_gravity", 3.7)
+    assert setting(desk, "set_gravity") == 3.7
+    put("set_camera_location", [1.0, -8.0, 4.0])
+    put("set_time_strategy", "FixedSimulationStep")
+    put("set_horizon_color", [0.5, 0.3, 0.2])
+    put("set_daylight", 0.5)
+    put("add_default_interface", "mqtt")
+    put("simulator_frequency", 100)
+    desk.do("undo_change")
+    put("set_daylight", 0.5, remove=True)
+    desk.do("save_scene", write=True)
+    text = (tmp_path / "scene.py").read_text()
+    assert text.startswith(SCENE)
+    assert text[len(SCENE) :].splitlines() == [
+        "env.set_gravity(3.7)",
+        "env.set_camera_location([1.0, -8.0, 4.0])",
+        "env.set_time_strategy(TimeStrategies.FixedSimulationStep)",
+        "env.set_horizon_color([0.5, 0.3, 0.2])",
+        "env.add_default_interface('mqtt')",
+    ]
+    with morse.load(tmp_path / "scene.py") as again:
+        settings = again.scene.settings
+        assert settings.gravity == 3.7
+        assert settings.view.camera_location == (1.0, -8.0, 4.0)
+        assert settings.time_strategy.name == "FixedSimulationStep"
+        assert settings.view.horizon_color == (0.5, 0.3, 0.2)
+
+
+def test_settings_of_the_environment_come_after_those_of_the_script() -> None:
+    script = SCENE + "env.set_gravity(1.0)\nenv.show(rays=True)\n"
+    assert changed_script(script, Changes(settings=["set_gravity(2.0)"])) == script + "env.set_gravity(2.0)\n"
+    with pytest.raises(ValueError, match="by hand"):
+        changed_script(SCENE.replace("env = ", ""), Changes(settings=["set_gravity(2.0)"]))
+
+
+@pytest.mark.parametrize(
+    ("method", "values"),
+    [
+        ("set_gravity", {"": "much"}),
+        ("set_gravity", {"": 1e300}),
+        ("set_gravity", {"": True}),
+        ("set_gravity", {}),
+        ("set_gravity", {"": 9.8, "x": 1}),
+        ("set_gravity", {"gravity": 9.8}),
+        ("simulator_frequency", {"": 0}),
+        ("set_daylight", {"": 7}),
+        ("set_camera_location", {"": [1, 2]}),
+        ("set_camera_location", {"": [1, 2, [3]]}),
+        ("set_camera_location", {"": {"a": 1}}),
+        ("set_horizon_color", {"": "red"}),
+        ("set_time_strategy", {"": "x); import os; os.system('id'"}),
+        ("add_default_interface", {"": "nobody"}),
+        ("add_default_interface", {"": "mqtt\nimport os"}),
+        ("add_default_interface", {"": 5}),
+        ("save", {"": "/tmp/x"}),
+        ("__init__", {"": "empty"}),
+        ("frequency", {"": 5.0}),
+        ("properties", {"": 5.0}),
+    ],
+)
+def test_what_is_no_setting_of_the_environment_is_refused(desk: Desk, method: str, values: dict[str, Any]) -> None:
+    answer = desk.ask("configure", component="simulation", method=method, values=values)
+    assert not answer["ok"]
+    assert answer["error"]
+    assert desk.do("save_scene", write=False)["difference"] == ""
 
 
 def test_changes_of_one_group_are_undone_and_made_again_together(desk: Desk) -> None:

@@ -32,6 +32,7 @@ from morse.viewer.feeds.components import settings_of
 from morse.viewer.script_file import ScriptFile
 from morse.viewer.uploads import Uploads, saved_place
 from morse.viewer.view_messages import Answer, PropertyValue, Refused, SceneChanges
+from morse.viewer.world_settings import OWNER, SEVERAL, check_world_call, settings_of_world, world_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -69,7 +70,7 @@ class Call(NamedTuple):
         first = self.values.get("field", "") if self.method == "noise" else self.values.get("", "")
         if self.method == "properties":
             first = next(iter(self.values))
-        return self.method, str(first) if self.method in _SEVERAL else ""
+        return self.method, str(first) if self.method in (*_SEVERAL, *SEVERAL) else ""
 
 
 #: methods that are called for several properties, fields, modifiers and middlewares
@@ -435,7 +436,26 @@ class Editor:
         """Call a method of the builder for a component, or take the call back."""
         self._attempt(event.request, lambda: self._configure(event))
 
+    def _set_up_world(self, event: page.Configure) -> str:
+        """Note a setting of the environment, which counts from the next start on."""
+        call, old = Call(event.method, event.values), self._calls.get(OWNER, {})
+        if event.remove and call.key() not in old:
+            raise MorseError(f"{short(event.method)} was not set in this page: change the script")
+        new = {key: one for key, one in old.items() if key != call.key()}
+        if not event.remove:
+            self._check_room()
+            check_world_call(*call)
+            new[call.key()] = call
+            if self._file.path is not None:
+                self._file.changed(Changes(settings=[world_line(*one) for one in new.values()]))  # can it be saved?
+        self._note(OWNER, new)
+        what = f"{event.method} was {'taken back' if event.remove else 'set'}"
+        self._undo_by(what, lambda: self._note(OWNER, old), lambda: self._note(OWNER, new))
+        return OWNER
+
     def _configure(self, event: page.Configure) -> str:
+        if event.component == OWNER:
+            return self._set_up_world(event)
         if event.method not in _METHODS:
             raise MorseError(f"'{event.method}' is no setting of a component: there are {', '.join(_METHODS)}")
         if odd := [name for name in event.values if name and (not name.isidentifier() or iskeyword(name))]:
@@ -484,7 +504,10 @@ class Editor:
 
     def list_settings(self, event: page.ListSettings) -> None:
         """Tell pages what can be set for a component."""
-        settings = settings_of(self._simulation, event.component, self._calls.get(event.component, {}).values())
+        own = [*self._calls.get(event.component, {}).values()]
+        scene = self._simulation.scene
+        is_world = event.component == OWNER
+        settings = settings_of_world(scene, own) if is_world else settings_of(self._simulation, event.component, own)
         if settings is not None:
             self._server.send(settings)
 
@@ -598,8 +621,10 @@ class Editor:
         additions = [
             replace(one, calls=tuple(_lines(self._calls.get(name, {})))) for name, one in self._additions.items()
         ]
-        calls = {name: _lines(own) for name, own in self._calls.items() if name not in self._additions}
-        return self._file.changed(Changes(additions, [*self._moves.values()], self._deletions, calls))
+        parts = {name: own for name, own in self._calls.items() if name not in self._additions and name != OWNER}
+        calls = {name: _lines(own) for name, own in parts.items()}
+        settings = [world_line(*call) for call in self._calls.get(OWNER, {}).values()]
+        return self._file.changed(Changes(additions, [*self._moves.values()], self._deletions, calls, settings))
 
     # -- saving ----------------------------------------------------------------------------
 
@@ -611,7 +636,9 @@ class Editor:
         if write:
             self.uploads.save(kinds, self._file.path)
             content = self._file.save(text)
-            self._simulation.edits.write(os.path.abspath(str(self._file.path)), content)
+            if not self._calls.get(OWNER):
+                # settings of the environment are not in use yet: then a page offers to load the script
+                self._simulation.edits.write(os.path.abspath(str(self._file.path)), content)
             self._saved = self._state()
         folders = [str(saved_place(folder, self._file.path)) for folder in self.uploads.folders(kinds)]
         return {"path": str(self._file.path), "difference": difference, "folders": folders}
@@ -638,8 +665,10 @@ class Editor:
             if not self._again(f"{name} is not added", partial(self._spawn, addition)):
                 del self._additions[name]
         for name, calls in [*self._calls.items()]:
-            if name not in self._additions and not self._again(
-                f"the settings of {name} are not made", partial(self._set_again, name, calls)
+            if (
+                name not in self._additions
+                and name != OWNER
+                and not self._again(f"the settings of {name} are not made", partial(self._set_again, name, calls))
             ):
                 del self._calls[name]
         for name, move in [*self._moves.items()]:

@@ -7,7 +7,9 @@ import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { unitText } from "../ui/units";
 
-const TITLES: Record<string, string> = { alter: "add a modifier", add_stream: "add a stream" };
+const TITLES: Record<string, string> = { alter: "add a modifier", add_stream: "add a stream", add_default_interface: "connect all to a middleware" };
+/** Settings of the environment: see `morse.viewer.world_settings`. */
+const WORLD = "simulation";
 
 /** Frequency, level, realism, modifiers and streams of the selected component: calls that the script gets when it is saved. */
 export class SettingsPanel {
@@ -30,11 +32,12 @@ export class SettingsPanel {
     if (component !== null) this.connection.send({ type: "list_settings", component });
   }
 
-  private fill({ settings, own, scripted }: ComponentSettings): void {
+  private fill({ component, settings, own, scripted }: ComponentSettings): void {
     const of = (method: string): SettingDescription[] => settings.filter((one) => one.method === method);
     const plain = settings.filter(({ method }) => !(method in TITLES)).map((one) => this.form(one, own.some(([method]) => method === one.method)));
     const several = Object.keys(TITLES).map((method) => this.choice(method, of(method), own, scripted));
-    this.content.replaceChildren(...plain, ...several.filter((one): one is HTMLElement => one !== null));
+    const later = component === WORLD ? [h("p", { class: "quiet" }, "These count when the scene is saved and loaded again (F11).")] : [];
+    this.content.replaceChildren(...later, ...plain, ...several.filter((one): one is HTMLElement => one !== null));
   }
 
   /** One that is set once: its fields, and a button. */

@@ -53,7 +53,7 @@ export class Inspector {
     for (const fields of [this.cells, this.properties, this.commands, this.sliders]) fields.clear();
     this.scan = null;
     const component = this.components.find(name);
-    const settable = this.drives.value && (component?.kind === "sensor" || component?.kind === "actuator");
+    const settable = this.drives.value && (component?.kind === "sensor" || component?.kind === "actuator" || component?.name === "simulation");
     this.settings.show(settable ? name : null);
     this.watching.set("values", "inspector", component && component.kind !== "service" ? [component.name] : []);
     if (name === null) {

@@ -66,12 +66,14 @@ class Changes:
         moves: of objects that exist when the script is run.
         deletions: names of root objects, with the names of the objects below each, and of components.
         calls: of methods of components that exist when the script is run, by the name of the component.
+        settings: calls of methods of the environment, as text.
     """
 
     additions: list[Addition] = field(default_factory=list)
     moves: list[Move] = field(default_factory=list)
     deletions: dict[str, list[str]] = field(default_factory=dict)
     calls: dict[str, list[str]] = field(default_factory=dict)
+    settings: list[str] = field(default_factory=list)
 
 
 class UnwritableError(ValueError):

@@ -62,6 +62,8 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
     paragraphs = [_lines_of(source, addition, robots) for addition in changes.additions]
     if paragraphs:
         source.insert_before(source.environment, paragraphs)
+    if changes.settings:
+        _set_up(source, changes.settings)
     for addition in changes.additions:
         source.need({_class_of(addition.kind)}, _module_of(addition.kind))
     return source.text()
@@ -179,6 +181,25 @@ def _call_methods(
         )
     last = max(variable.own(), key=lambda statement: source.place(statement).at)
     source.insert_after(last, [f"{variable.name}.{call}" for call in calls])
+
+
+def _set_up(source: Source, calls: Sequence[str]) -> None:
+    """Call methods of the environment after what the script itself calls there, so that these count."""
+    variable = _target_name(source.environment)
+    if not variable.isidentifier():
+        raise UnwritableError(
+            f"{source.name} does not assign the environment to a variable: write env = Environment(...), or "
+            f"{', '.join(calls)} by hand"
+        )
+    statements = source.block[source.place(source.environment).at :]
+    last = source.environment
+    for statement in statements:
+        value = statement.value if isinstance(statement, ast.Expr) else None
+        if isinstance(value, ast.Call) and name_of(value.func).partition(".")[0] == variable:
+            last = statement
+    source.insert_after(last, [f"{variable}.{call}" for call in calls])
+    if any("TimeStrategies" in call for call in calls):
+        source.need({"TimeStrategies"})
 
 
 def _quoted(source: Source, text: str) -> str:
