@@ -40,7 +40,7 @@ def camera(name: str) -> ComponentDescription:
     robot = name.partition(".")[0]
     lens = [PropertyDescription("cam_width", "integer", "", 64)]
     return ComponentDescription(
-        name, "sensor", robot, "Camera", data=[FieldDescription("image", "buffer")], properties=lens
+        name, "sensor", robot, "Camera", data=[FieldDescription("image", "buffer")], properties=lens, pictured=True
     )
 
 

@@ -13,6 +13,7 @@ from morse.viewer.view_messages import (
     DebugProperties,
     DebugProperty,
     Listening,
+    Log,
     RecordingDescription,
     Recordings,
     SoundState,
@@ -194,7 +195,7 @@ def test_on_a_telephone_nothing_lies_over_what_a_thumb_needs(served, open_page, 
     scene, moving = playground()
     server.set_scene(scene, moving)
     image = [FieldDescription("image", "buffer")]
-    camera = ComponentDescription("robot0.lidar", "sensor", "robot0", data=image)
+    camera = ComponentDescription("robot0.lidar", "sensor", "robot0", data=image, pictured=True)
     server.send(Tree([ComponentDescription("robot0", "robot", "robot0"), camera]))
     server.send(Listening(["robot0"]))
     server.send(Recordings([RecordingDescription("/a/run.mcap", 1.0, 500, stoppable=True)]))
@@ -248,3 +249,36 @@ def test_on_a_telephone_plots_are_below_the_world_with_their_times(served, open_
     left, _, right, _ = page.evaluate(EDGES, ".plot:nth-of-type(3)")
     assert left >= -1
     assert right <= page.evaluate(EDGES, ".plots")[2] + 1
+
+
+def test_on_a_telephone_messages_are_beside_plots_only_if_something_is_wrong(served, open_page) -> None:
+    server, url = served
+    server.set_scene(*playground())
+    pose = ComponentDescription("robot0.pose", "sensor", "robot0", data=[FieldDescription("x", "float")])
+    server.send(Tree([ComponentDescription("robot0", "robot", "robot0"), pose]))
+    server.send(Log("info", "SCENE INITIALIZED", "", 0.0))
+    page = open_page(url, width=390, height=780, has_touch=True, is_mobile=True)
+    wait_until(lambda: page.evaluate("morse.components.all.value.length > 1"))
+    page.evaluate("morse.panels.plots.plot('robot0.pose', 'x')")
+    server.send(Values("robot0.pose", 1.0, {"x": 1.0}))
+    page.locator(".plot canvas").wait_for()
+    assert not page.locator(".log").is_visible()
+    server.send(Log("error", "robot0.pose has failed", "", 1.0))
+    page.locator(".log").get_by_text("robot0.pose has failed").wait_for()
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "upward"), [(1200, 700, 0.8 * 700 / 1200), (390, 780, 1.1), (780, 390, 0.4)]
+)
+def test_a_high_picture_shows_more_of_the_width(served, open_page, width, height, upward) -> None:
+    server, url = served
+    server.set_scene(*playground())
+    page = open_page(url, width=width, height=height)
+    lens = """(aspect) => {
+        const { view } = morse.stage;
+        view.setLens(20, 0.1, 100);
+        view.setAspect(aspect);
+        return Math.tan(view.camera.fov * Math.PI / 360);
+    }"""
+    # a lens of 20 mm before 32 mm along the longer side
+    assert page.evaluate(lens, width / height) == pytest.approx(upward)

@@ -190,9 +190,9 @@ export class Panels {
     shortcuts.add("View", ["c", "C"], "C", "show the selected object", () => this.focus(app.components.selected.value));
     shortcuts.add("View", ["v", "V"], "V", "show the image of a robot's camera", () => this.toggleImage());
     shortcuts.add("Page", ["m", "M"], "M", "move the selected object, or stop", () => this.move(this.selectedNode()));
-    shortcuts.add("Page", ["n", "N"], "N", "move: translate, rotate or scale", () => this.mover.turn());
-    shortcuts.add("Page", ["g", "G"], "G", "move in steps of 0.1 m and 15°", () => this.mover.snaps.set(!this.mover.snaps.value));
-    shortcuts.add("Page", ["Delete"], "Del", "delete the selection (Shift and a click: select several)", () => void this.editor.delete(app.components.chosen));
+    shortcuts.add("Page", ["n", "N"], "N", "move, turn or scale", () => this.mover.turn());
+    shortcuts.add("Page", ["g", "G"], "G", "move in steps", () => this.mover.snaps.set(!this.mover.snaps.value));
+    shortcuts.add("Page", ["Delete"], "Del", "delete the selection", () => void this.editor.delete(app.components.chosen));
     shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo a change", () => void this.editor.undo());
     shortcuts.add("Page", ["Ctrl+y", "Ctrl+Z"], "Ctrl+Y", "redo a change", () => void this.editor.redo());
     shortcuts.add("Page", ["Ctrl+d"], "Ctrl+D", "duplicate the selection", () => void this.editor.duplicate(app.components.chosen));

@@ -2,6 +2,8 @@ import { Euler, PerspectiveCamera, Quaternion, Vector3 } from "three";
 
 /** Width of the sensor behind the lens, mm. */
 const SENSOR = 32;
+/** Tangent of half of the largest vertical field of view. */
+const TALLEST = 1.1;
 const UP = new Vector3(0, 0, 1);
 
 export interface CameraPose {
@@ -98,7 +100,9 @@ export class ViewCamera {
   setAspect(aspect: number): void {
     const half = SENSOR / 2 / this.focal;
     this.camera.aspect = aspect;
-    this.camera.fov = (2 * Math.atan(aspect > 1 ? half / aspect : half) * 180) / Math.PI;
+    // a picture that is higher than wide shows as much of the width as it can without bending what it shows
+    const upward = aspect > 1 ? half / aspect : Math.max(half, Math.min(half / aspect, TALLEST));
+    this.camera.fov = (2 * Math.atan(upward) * 180) / Math.PI;
     this.camera.updateProjectionMatrix();
   }
 
