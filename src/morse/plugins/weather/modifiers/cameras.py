@@ -35,6 +35,9 @@ _NEAR, _FAR = 0.15, 1.5
 _SMALLEST = 1.0
 #: maximum number of streaks
 _MOST = 3000
+#: speeds of drops, m/s, by their diameters, mm
+_DIAMETERS = np.linspace(0.0, 10.0, 101)
+_SPEEDS = np.array([falling_speed(diameter) for diameter in _DIAMETERS.tolist()])
 #: speed of flakes, m/s
 _SPEED_OF_FLAKES = 1.2
 
@@ -89,7 +92,7 @@ class CameraInWeather(PictureModifier):
         place = levels[scaled.astype(np.uint16)]
         rgba = np.empty_like(picture.rgba)
         for channel in range(3):
-            rgba[..., channel] = mixed[channel][place | picture.rgba[..., channel]]
+            rgba[..., channel] = mixed[channel].take(place | picture.rgba[..., channel])
         rgba[..., 3] = picture.rgba[..., 3]
         return rgba
 
@@ -129,7 +132,7 @@ def _draw(
     diameter = smallest + random.standard_exponential(count) / drops.slope
     speed = np.full(count, _SPEED_OF_FLAKES)
     if not flakes:
-        speed = np.array([falling_speed(one) for one in diameter.tolist()])
+        speed = np.interp(diameter, _DIAMETERS, _SPEEDS)
     x, y = random.random(count) * width, random.random(count) * height
     length = np.maximum(speed * exposure * lens.fy / depth, 1.0)
     broad = 0.001 * diameter * lens.fx / depth

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class ScannerInWeather(AbstractModifier):
     """Loses echoes of distant and dark surfaces, and adds those of drops, flakes and fog.
 
-    A scanner reports its strongest echo.
+    A scanner reports its strongest echo. Surfaces count as perpendicular to the beam: their normals would cost more
+    than the scan.
     """
 
     _names = ("Weather",)
@@ -46,13 +47,12 @@ class ScannerInWeather(AbstractModifier):
         reach = float(scanner.laser_range)
         if self._passage is None or self._known != (conditions, reach):
             self._known, self._passage = (conditions, reach), Beam(reach).through(conditions)
-        passage, rays = self._passage, scanner.rays
+        passage = self._passage
         ranges = np.array(data["range_list"])
         is_hit = ranges < reach
-        facing = np.abs((rays.normals * rays.directions).sum(axis=1))
         is_hit &= passage.detected(ranges)
         light = passage.received(ranges)
-        echo = np.where(is_hit, passage.beam.white * facing * light / np.maximum(ranges, 1e-3) ** 2, 0.0)
+        echo = np.where(is_hit, passage.beam.white * light / np.maximum(ranges, 1e-3) ** 2, 0.0)
 
         random = scanner.context.random(f"{scanner.name()}/weather/{scanner.clock.tick}")
         drops = passage.first_drops(random, len(ranges))
