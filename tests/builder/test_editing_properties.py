@@ -206,7 +206,7 @@ def is_part_of(few: list[str], many: list[str]) -> bool:
 def test_a_saved_script_describes_the_edited_scene_and_keeps_all_other_text(tmp_path: Path) -> None:
     refusals: list[str] = []
 
-    @settings(max_examples=examples(400), deadline=None)
+    @settings(max_examples=examples(400, each_time=30), deadline=None)
     @given(scripts(), st.data())
     def check(text: str, data: st.DataObject) -> None:
         before = objects_of(text, tmp_path)
