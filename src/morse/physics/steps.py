@@ -89,6 +89,7 @@ class Steps:
             or state.touched
             or state.sliding.has_objects
             or state.impacts.is_needed
+            or state.wheel_friction.has_wheels
             or self._unstable is not None
             or state.model.opt.enableflags & _SLEEP
         )
@@ -166,6 +167,7 @@ class Steps:
         """
         state, data = self._state, self._data
         state.sliding.begin()
+        state.wheel_friction.begin()
         self._crowding.relieve()
         mujoco.mj_getState(state.model, data, self._saved, _STATE)
         self._asleep[:] = self._tree_asleep

@@ -108,21 +108,24 @@ def test_a_robot_drives_as_commanded(robot, text) -> None:
     assert turned == pytest.approx(1.0, rel=0.05)
 
 
-#: the centre of mass is in the middle of four wheels, and behind it
-SKIDDING = {"even": 0.0, "heavy behind": -0.06}
+#: places of the centre of mass and of the axles: in the middle of four wheels or behind it, short and long
+SKIDDING = {"even": (0.0, 0.14), "heavy behind": (-0.06, 0.14), "short": (0.0, 0.11), "long": (0.0, 0.25)}
 
 
-@pytest.mark.parametrize("middle", SKIDDING.values(), ids=SKIDDING)
-def test_four_wheels_turn_as_commanded(robot, middle) -> None:
-    """The distance between the wheels that counts follows from where they are, and from the centre of mass."""
-    corners = _pair(CYLINDER, _LYING, x=0.14, name="front_") + _pair(CYLINDER, _LYING, x=-0.14, name="rear_")
+@pytest.mark.parametrize(("middle", "x"), SKIDDING.values(), ids=SKIDDING)
+def test_four_wheels_turn_as_commanded(robot, middle: float, x: float) -> None:
+    """The distance between the wheels that counts follows from where they are, and from the centre of mass.
+
+    Wheels that slide sideways hopped in the engine, and the robots turned at 0.8 to 1.1 of the rate.
+    """
+    corners = _pair(CYLINDER, _LYING, x=x, name="front_") + _pair(CYLINDER, _LYING, x=-x, name="rear_")
     distance, turned = driven(robot(BASE.replace("<inertial>", f'<inertial><origin xyz="{middle} 0 0"/>') + corners))
     assert distance == pytest.approx(1.2, rel=0.02)
-    assert turned == pytest.approx(1.0, rel=0.08)
+    assert turned == pytest.approx(1.0, rel=0.04)
 
 
 def test_wheels_on_legs_drive(robot) -> None:
-    """The joints of a leg do not steer; the knees yield in a turn, which takes part of it."""
+    """The joints of a leg do not steer. A knee sprang back in each hop of a sliding wheel: 0.67 rad."""
     legs = "".join(
         _link(f"leg_{end}_{side}", 0.5)
         + _joint(
@@ -136,7 +139,7 @@ def test_wheels_on_legs_drive(robot) -> None:
     body = _link("base_link", 8, '<box size="0.4 0.2 0.08"/>', 'xyz="0 0 0.35"')
     distance, turned = driven(robot(body + legs))
     assert distance == pytest.approx(1.2, rel=0.02)
-    assert 0.5 < turned < 1.05
+    assert turned == pytest.approx(1.0, rel=0.03)
 
 
 def _friction(link: str, value: float) -> str:

@@ -97,6 +97,12 @@ def _joint_wheels(frame: Frame) -> list[JointWheel]:
     return [*left, *right] if left and right else []
 
 
+def wheel_joints(frames: Iterable[Frame]) -> dict[Frame, set[str]]:
+    """Return the names of the joints of the driven wheels of each robot of a file."""
+    robots = [frame for frame in frames if frame.robot is not None and frame.motion is Motion.FREE]
+    return {frame: {wheel.joint for wheel in _joint_wheels(frame)} for frame in robots}
+
+
 def round_wheels(frames: Iterable[Frame]) -> dict[CollisionShape, CollisionShape]:
     """Make the driven wheels of robots of files roll on one point each.
 

@@ -14,7 +14,7 @@ import numpy as np
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.portable import matmul
 from morse.physics.driving.command import friction_of, set_damping
-from morse.physics.driving.supports import round_wheels, supports
+from morse.physics.driving.supports import round_wheels, supports, wheel_joints
 from morse.physics.gliding.feet import PlaneBuilder, Stance, stance, trimmed
 from morse.physics.model.articulated import Articulated, is_single_link
 from morse.physics.model.couplings import CouplingBuilder, add_links
@@ -86,6 +86,7 @@ class Compiled:
         link_bodies: the body of each link of MJCF files.
         planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floors`.
         restitution: (ngeom,) of each geom, from 0 to 1, or -1.
+        wheels: geoms that roll on the ground, of joints of robots from files.
         physics_of_1_4: see `morse.physics.driving.command`.
     """
 
@@ -98,6 +99,7 @@ class Compiled:
     link_bodies: dict[Node, int]
     planes: dict[int, int]
     restitution: NDArray[np.float64]
+    wheels: list[int]
     physics_of_1_4: bool = False
 
     def copy(self) -> Compiled:
@@ -163,8 +165,17 @@ def _compile(scene: Scene) -> Compiled:
     builder.files.resolve(model, data, geom_node)
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}
     motors, links = builder.files.motors, builder.files.link_bodies
-    restitution = builder.restitution(model)
-    return Compiled(model, data, slots, steps, geom_node, motors, links, planes, restitution, settings.physics_of_1_4)
+    restitution, rolling_joints = builder.restitution(model), wheel_joints(frames)
+    wheels = [
+        geom
+        for slot in slots
+        if any(joint.name in rolling_joints.get(slot.frame.root, ()) for joint in slot.joints)
+        for geoms in slot.geoms.values()
+        for geom in geoms
+    ]
+    return Compiled(
+        model, data, slots, steps, geom_node, motors, links, planes, restitution, wheels, settings.physics_of_1_4
+    )
 
 
 def _steps(settings: Settings, frames: Sequence[Frame], of_files: Sequence[float], *, as_in_files: bool) -> int:

@@ -28,6 +28,8 @@ _SLIP = 0.25
 _DIVERGED = 1e6
 #: contacts with a larger time constant, in steps, are soft on purpose
 _STIFF = 3.0
+#: rates of robots and slips of their wheels that are none, rad/s and m/s; solutions of the contacts that slide
+_TURNS, _CREEP, _SOLUTIONS = 0.02, 0.005, 3
 #: bodies that bounce rest below the speed that gravity adds in so many steps
 _RESTING_STEPS = 2.0
 #: factors for the contacts of bodies that bounce: they do not give way, but these are lifted out of each other slowly,
@@ -79,6 +81,55 @@ class Sliding:
         share = np.minimum(1.0, (_SLIP + np.abs(near)) / np.maximum(slip, _SLIP))
         data.efc_aref[first + 1] *= share
         data.efc_aref[first + 2] *= share
+
+
+class WheelFriction:
+    """Lets wheels of robots from files slide sideways as Coulomb's law says.
+
+    The engine relaxes this law: a contact whose slip does not end in a step gets a speed along its normal, μ times as
+    large as the slip that is left. A wheel that slides sideways hops, and the robot turns by what the hops leave. De
+    Saxcé's correction subtracts this speed from what the normal asks for, and a few solutions find both (V. Acary et
+    al., "A formulation of the linear discrete Coulomb friction problem via convex optimization", ZAMM 91, 2011).
+
+    Args:
+        geoms: the shapes of wheels.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, geoms: Sequence[int]) -> None:
+        self._model, self._data = model, data
+        self._is_wheel = np.zeros(model.ngeom, dtype=bool)
+        self._is_wheel[list(geoms)] = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+        self.has_wheels = bool(self._is_wheel.any())
+        trees = model.body_rootid[model.geom_bodyid[self._is_wheel]]
+        self._turns = np.unique(model.body_dofadr[trees] + 5)
+        self.is_needed = False
+
+    def begin(self) -> None:
+        """Note at the beginning of a tick whether a robot turns."""
+        if self.has_wheels:
+            self.is_needed = bool((np.abs(self._data.qvel[self._turns]) > _TURNS).any())
+
+    def change(self) -> None:
+        """Correct what the normals of wheels that slide ask for in this step."""
+        model, data, contact = self._model, self._data, self._data.contact
+        chosen = self._is_wheel[contact.geom].any(axis=1) & (contact.efc_address >= 0) & (contact.dim == 3)
+        first = contact.efc_address[chosen]
+        slides = _length(data.efc_vel[first + 1], data.efc_vel[first + 2]) > _CREEP
+        first, friction = first[slides], contact.friction[chosen, 0][slides]
+        if not len(first):
+            return
+        mujoco.mj_fwdActuation(model, data)
+        mujoco.mj_fwdAcceleration(model, data)
+        asked, along = data.efc_aref[first], np.zeros(data.nefc)
+        for _ in range(_SOLUTIONS):
+            mujoco.mj_fwdConstraint(model, data)
+            mujoco.mj_mulJacVec(model, data, along, data.qacc)
+            left = along - data.efc_aref
+            data.efc_aref[first] = asked - friction * _length(left[first + 1], left[first + 2])
+
+
+def _length(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.sqrt(x * x + y * y))
 
 
 class Impacts:
@@ -241,7 +292,7 @@ class EngineState:
 
     def take_steps(self, steps: int) -> None:
         """Run steps of the engine."""
-        changes = [one.change for one in (self.sliding, self.impacts) if one.is_needed]
+        changes = [one.change for one in (self.sliding, self.impacts, self.wheel_friction) if one.is_needed]
         if not changes:
             mujoco.mj_step(self.model, self.data, steps)
             return
@@ -261,6 +312,7 @@ class EngineState:
         self.slots: list[Slot] = compiled.slots
         self.sliding = Sliding(self.model, self.data, self.slots)
         self.impacts = Impacts(self.model, self.data, compiled.restitution)
+        self.wheel_friction = WheelFriction(self.model, self.data, compiled.wheels)
         self.geom_node: list[Node] = compiled.geom_node
         self.link_bodies: dict[Node, int] = compiled.link_bodies
         self.planes: dict[int, int] = compiled.planes
