@@ -177,9 +177,18 @@ class Context:
 
         Adding a component to a scene does not change the random numbers of other components.
         """
+        self.drawn.add(name)
+        return self.random_at(name)
+
+    def random_at(self, name: str, moment: int | None = None) -> np.random.Generator:
+        """Return a generator that is used up at once: its numbers also depend on ``moment``, such as a tick.
+
+        It is no state: who draws from it does not have to be created again by a restart with another seed.
+        """
         import numpy as np
 
-        self.drawn.add(name)
+        if moment is not None:
+            name = f"{name}/{moment}"
         own = (seed for robot, seed in self.robot_seeds.items() if name.startswith((f"{robot}.", f"{robot}/")))
         digest = hashlib.sha256(f"{next(own, self.seed)}/{name}".encode("utf-8", "surrogatepass")).digest()
         return np.random.Generator(np.random.PCG64(int.from_bytes(digest[:16], "little")))

@@ -109,7 +109,7 @@ class Sensor(Object):
         A sensor that draws its noise from it has no state of random numbers: a measurement has the same noise in a
         batch, after a restored state, and whether or not somebody has read the measurements before it.
         """
-        return self.context.random(f"{self.name()}/{purpose}/{self.clock.tick}")
+        return self.context.random_at(f"{self.name()}/{purpose}", self.clock.tick)
 
     def watched_space(self) -> WatchedSpace | None:
         """The space that the sensor observes, for the live view; None if only its rays are shown."""

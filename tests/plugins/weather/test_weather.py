@@ -296,3 +296,13 @@ env.weather(wet={wet})
         distances.append(body.worldPosition.x - begin)
     assert distances[0] == pytest.approx(4.0 / (2 * 0.7 * 9.81), rel=0.1)
     assert distances[1] == pytest.approx(2.0 * distances[0], rel=0.1)
+
+
+def test_numbers_of_a_tick_take_no_memory(load: Load):
+    simulation = load(
+        WALL.format(reach=30.0, window=10.0, distance=8.0, weather="rain=20.0, wind=(5.0, 0.0), gusts=1.0")
+    )
+    simulation.step(30)
+    names = len(simulation.context.drawn)
+    simulation.step(60)
+    assert len(simulation.context.drawn) == names

@@ -121,7 +121,7 @@ class Weather(AbstractObject):
     def _blow(self) -> None:
         conditions, period = self.conditions, self._context.clock.period
         speed = max(math.hypot(*conditions.wind), 1.0)
-        random = self._context.random(f"weather/gusts/{self._context.clock.tick}")
+        random = self._context.random_at("weather/gusts", self._context.clock.tick)
         self._filters, (along, across, up) = turbulence(self._filters, random.standard_normal(3), period, speed)
         x, y = (part / speed for part in conditions.wind[:2]) if any(conditions.wind[:2]) else (1.0, 0.0)
         self.gust = conditions.gusts * np.array([along * x - across * y, along * y + across * x, _UP * up])

@@ -72,7 +72,7 @@ class CameraInWeather(PictureModifier):
         if self._known != conditions:
             self._known, self._tables = conditions, _tables(conditions.extinction(VISIBLE))
         rgba = self._veiled(picture)
-        random = camera.context.random(f"{camera.name()}/weather/{round(time * 1e6)}")
+        random = camera.context.random_at(f"{camera.name()}/weather", round(time * 1e6))
         exposure = float(camera.exposure_time) or _EXPOSURE
         for drops in drops_of(conditions):
             _draw(rgba, drops, camera.lens, exposure, random, flakes=drops.reflectance > 0.5)
