@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import re
 from importlib import import_module
 from typing import Any
 
+import morse.builder
 from component_library import pictures, scenes
 from component_library.declared import (
     data_table,
@@ -29,9 +31,14 @@ _NAMED = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEY
 
 
 def builder_classes(kind: str) -> dict[str, type[ComponentCreator]]:
-    """The classes of scene scripts for ``sensors`` or ``actuators`` by name, sorted."""
+    """The classes of scene scripts for ``sensors`` or ``actuators`` by name, sorted: of MORSE and of its plug-ins."""
     module = import_module(f"morse.builder.{kind}")
     found = {name: getattr(module, name) for name in module.__all__}
+    of_plugins = re.compile(rf"morse\.plugins\.\w+\.{kind}\.")
+    for name in morse.builder.__all__:
+        value = getattr(morse.builder, name)
+        if of_plugins.match(getattr(value, "_classpath", None) or ""):
+            found[name] = value
     return {
         name: cls
         for name, cls in sorted(found.items())

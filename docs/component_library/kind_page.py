@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from component_library import component_pages
 from component_library.markdown import code, page, section, table
+from morse.core.classes.plugins import entry_points
 from morse.core.declarations import FRAMES, kinds
 from morse.core.kinds import KINDS
 
@@ -25,9 +26,13 @@ slot). Slots in *italics* are optional. A component without a kind has the kind 
 def pages() -> dict[str, str]:
     """Name of a page, below the folder of the library, to its text."""
     frames = table(["frame", "what"], ([code(name), what] for name, what in FRAMES.items()))
-    return {
-        "message-kinds": page("Message kinds", _INTRODUCTION, *map(_section, KINDS.values()), section("Frames", frames))
-    }
+    return {"message-kinds": page("Message kinds", _INTRODUCTION, *map(_section, known()), section("Frames", frames))}
+
+
+def known() -> list[Kind]:
+    """The kinds of MORSE and of its plug-ins."""
+    points = [point for point in entry_points("morse.kinds") if point.value.startswith("morse.")]
+    return [*KINDS.values(), *(kind for point in points for kind in point.load())]
 
 
 def _section(kind: Kind) -> str:

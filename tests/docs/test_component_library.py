@@ -11,6 +11,7 @@ from doc_pages import DOCS, ROOT
 
 from morse.assets import search
 from morse.builder import actuators, robots, sensors, workspace
+from morse.builder.names import catalog
 from morse.builder.script import load_scene
 from morse.core import declarations
 from morse.simulation.options import RunOptions
@@ -51,7 +52,11 @@ def test_the_pages_in_the_repository_are_those_of_the_declarations(pages: dict[s
 
 def test_every_component_has_a_page(pages: dict[str, str], library):
     names = {"robots": robots.__all__, "sensors": sensors.__all__, "actuators": actuators.__all__}
+    plugins = ROOT / "src" / "morse" / "plugins"
     for kind, members in names.items():
+        folders = [] if kind == "robots" else [path.parent.name for path in plugins.glob(f"*/{kind}")]
+        of_plugins = [name for folder in folders for name in catalog.components(f"morse.plugins.{folder}.{kind}")]
+        members = [*members, *of_plugins]
         expected = {f"{kind}/{name.lower()}" for name in members if not name.endswith("Creator")} | {f"{kind}/index"}
         assert expected == {name for name in pages if name.startswith(f"{kind}/")}
     assert set(library.page_names()) == set(pages)
