@@ -13,7 +13,7 @@ pytestmark = pytest.mark.long
 
 
 def test_the_example_fails_where_it_stops_too_late(tmp_path):
-    (script,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    script, _program = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     (tmp_path / "crossing.py").write_text(script)
     words = ("falsify", "crossing.py", "-o", "results", "--runs", "120", "--workers", "2")
     done = python("-m", "morse", *words, folder=tmp_path)

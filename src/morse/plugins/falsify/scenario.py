@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import math
 import sys
@@ -14,6 +15,8 @@ from morse.core.reports.quoting import nearest
 from morse.many import Study
 from morse.many.sources import imported
 from morse.plugins.falsify.expressions import Quantity, RequirementError
+from morse.plugins.falsify.programs import any_port
+from morse.plugins.falsify.programs import run as run_program
 from morse.plugins.falsify.requirements import (
     ALWAYS,
     EVENTUALLY,
@@ -54,6 +57,10 @@ class Scenario:
         run: function of a simulation and of the parameters that it names; it lets time pass, and returns a dictionary
             of results, a number, or nothing. A run whose function raises an error has failed.
         duration: instead of ``run``: simulated seconds that pass.
+        program: with a duration: the words of a program, started for each run, that steps the simulation over its
+            socket: ``pymorse``, or any client that calls ``simulation step`` or ``exchange``. ``{name}`` stands for the
+            value of a parameter. It finds the port in its environment variable ``MORSE_SOCKET_PORT``. The run ends with
+            the program; a status other than 0 is a failure.
         seed: seeds of the simulation: one, or a list or range of them.
         defaults: values of parameters that are nothing special, towards which failing cases are made plain. Else the
             default of the argument of ``run`` or of the scene; else the middle of a distribution, or the first of
@@ -75,6 +82,7 @@ class Scenario:
         run: Callable[..., object] | None = None,
         *,
         duration: float | None = None,
+        program: Sequence[str] = (),
         seed: object = 0,
         defaults: Mapping[str, object] | None = None,
         arguments: Sequence[str] = (),
@@ -84,6 +92,8 @@ class Scenario:
     ) -> None:
         if (run is None) == (duration is None):
             raise TypeError("a scenario has either a function of a simulation, run, or a duration in seconds")
+        if program and (isinstance(program, str) or duration is None):
+            raise TypeError('program is a list of words, such as ["python3", "controller.py"], beside a duration')
         if duration is not None and not 0.0 < duration < math.inf:
             raise ValueError(f"duration is a simulated time in seconds, not {duration!r:.80}")
         frame = inspect.currentframe()
@@ -91,7 +101,7 @@ class Scenario:
         self._module = str(caller.f_globals.get("__name__", "")) if caller is not None else ""
         self.file = Path(caller.f_code.co_filename) if caller is not None else Path()
         self.requirements: list[Requirement] = []
-        self.monitored = Monitored(run, duration, self.requirements)
+        self.monitored = Monitored(run, duration, tuple(program), self.requirements)
         self._own = defaults or {}
         for name in self._own:
             if name not in parameters and name != "seed":
@@ -102,6 +112,8 @@ class Scenario:
         self._names = tuple(parameters)
         # its lists have the default alone: other values are chosen by the search
         lists = {name: [self.space.defaults[name]] for name in parameters}
+        self._any_port = any_port if program else contextlib.nullcontext
+        options = {"sockets": True, **(options or {})} if program else options
         self._study = Study(
             scene, self.monitored, arguments=arguments, options=options, timeout=timeout, seeds=[0], **lists
         )
@@ -204,7 +216,8 @@ class Scenario:
         unknown = [name for name in parameters if name not in defaults]
         if unknown:
             raise TypeError(f"there is no parameter '{unknown[0]}'{nearest(unknown[0], list(defaults))}")
-        return self.study().once(default if seed is None else seed, record=record, **(defaults | parameters))
+        with self._any_port():
+            return self.study().once(default if seed is None else seed, record=record, **(defaults | parameters))
 
     def check(
         self, parameters: Mapping[str, Any], seed: int = 0, *, record: str | os.PathLike[str] | None = None
@@ -257,7 +270,8 @@ class Scenario:
         from morse.plugins.falsify.report import write
 
         campaign = Campaign(self, Path(folder), budget, runs, search, whole_budget=whole_budget, progress=progress)
-        found = campaign.go(workers, executor)
+        with self._any_port():
+            found = campaign.go(workers, executor)
         write(found)
         return found
 
@@ -271,12 +285,18 @@ class Monitored:
     """
 
     def __init__(
-        self, run: Callable[..., object] | None, duration: float | None, requirements: list[Requirement]
+        self,
+        run: Callable[..., object] | None,
+        duration: float | None,
+        program: tuple[str, ...],
+        requirements: list[Requirement],
     ) -> None:
-        self._run, self._duration, self._requirements = run, duration, requirements
+        self._run, self._duration, self._program, self._requirements = run, duration, program, requirements
         self.signals: dict[str, Quantity | Callable[..., object]] = {}
         self.texts: dict[str, str] = {}
-        self.__signature__ = inspect.signature(run if run is not None else _nothing)
+        # the files of the program decide what runs do, as those of modules do
+        self.files = [path.read_bytes() for word in program if (path := Path(word)).suffix and path.is_file()]
+        self.__signature__ = inspect.signature(run if run is not None else _anything if program else _nothing)
 
     def __call__(self, simulation: Simulation, **parameters: object) -> dict[str, object]:
         """Do a run, and return its results."""
@@ -285,6 +305,8 @@ class Monitored:
         returned: Any = None
         if self._run is not None:
             returned = self._run(simulation, **parameters)
+        elif self._duration is not None and self._program:
+            run_program(simulation, self._program, parameters, self._duration)
         elif self._duration is not None:
             simulation.sleep(self._duration)
         if returned is None:
@@ -295,6 +317,10 @@ class Monitored:
                 raise RequirementError(f"a result cannot be called '{name}': it is another column of the table")
         texts = [f"{name}={value:.{LONGEST_TEXT}}" for name, value in results.items() if isinstance(value, str)]
         return {**results, VERDICTS: monitor.verdicts(results), KIND: ", ".join(texts)}
+
+
+def _anything(simulation: object, **parameters: object) -> None:
+    """What a scenario with a program does."""
 
 
 def _nothing(simulation: object) -> None:
