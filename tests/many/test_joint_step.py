@@ -19,16 +19,24 @@ MODEL = Path(__file__).parent / "spider.xml"
 #: where programs of these tests find this module
 PATHS = os.pathsep.join([str(MODEL.parent), str(MODEL.parents[2]), *sys.path])
 JOINTS = ("hip_a", "knee_a", "hip_b", "knee_b", "hip_c", "knee_c")
-FIELDS = {"robot.legs.angles": (), "robot.pose": ("x", "z", "roll", "yaw"), "robot.laser": ("range_list",)}
+FIELDS = {
+    "robot.legs.angles": (),
+    "robot.pose": ("x", "z", "roll", "yaw"),
+    "robot.laser": ("range_list",),
+    "robot.imu": ("angular_velocity",),
+}
 PLACES = [(0.0, 0.0, 0.0), (0.6, 0.5, 2.0), (-0.4, -0.5, 0.4, 0.3, 0.2, 1.0)]
 
 
 def meadow(control):
     """A robot with three legs between walls, with sensors that are mounted apart."""
-    from morse.builder import Armature, ArmaturePose, Environment, Pose, Robot, Sick
+    from morse.builder import IMU, Armature, ArmaturePose, Environment, Odometry, Pose, Robot, Sick
 
     robot = Robot(str(MODEL), name="robot")
     legs, laser, pose = Armature("legs", armature_name="spider_joints"), Sick("laser"), Pose("pose")
+    imu = IMU("imu")
+    imu.translate(0.0, 0.1, 0.0)
+    imu.rotate(0.3, 0.0, 0.2)
     legs.control(control)
     legs.properties(RotationSpeed=2.0)
     legs.append(ArmaturePose("angles"))
@@ -36,7 +44,7 @@ def meadow(control):
     laser.properties(scan_window=40, resolution=10)
     laser.translate(0.05, 0.0, 0.1)
     pose.translate(0.1, 0.0, 0.05)
-    for part in (legs, laser, pose):
+    for part in (legs, laser, pose, imu, Odometry("odometry")):
         robot.append(part)
     for number, wall in enumerate([(1.5, 0.0, 0.1, 1.5), (-1.5, 0.0, 0.1, 1.5)]):
         block(f"Wall{number}", *wall)
@@ -116,7 +124,7 @@ def test_rows_that_nobody_looks_at(script, control, scans, fields):
                         assert (array[row] == values).all(), name
         for row, sim in enumerate(alone):
             assert many.save(row)[0].hash() == sim.state_hash()
-            for part in ("legs", "pose", "laser"):
+            for part in ("legs", "pose", "laser", "imu", "odometry"):
                 assert repr(many[row].robot.parts[part].data) == repr(sim.robot.parts[part].data)
             assert many[row].robot.legs.angles.get_efforts() == sim.robot.legs.angles.get_efforts()
     for sim in alone:

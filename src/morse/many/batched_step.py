@@ -17,6 +17,7 @@ from morse.core.rows.rows import SensorRows
 from morse.kernel.batched import Courses, Lanes
 from morse.kernel.rays import Hits
 from morse.many.joint_step import JointStep
+from morse.mathutils.rotations import turn, turn_back
 from morse.physics.engine_rows import EngineRows
 from morse.physics.poses.snapshot import Mountings, PoseRows, Snapshot
 from morse.physics.rays.bundle import RayBundle, Scan, Sight
@@ -70,7 +71,7 @@ class BatchedStep:
             self.leave(row)
         self._columns.append(Reading(column, len(self.members)))
         self._is_possible &= self._columns[-1].is_possible
-        self._has_columns &= self._columns[-1].is_possible or self._columns[-1].has_joints
+        self._has_columns &= self._columns[-1].has_columns
 
     def publish(self, rows: Iterable[int]) -> None:
         """Take note of simulations that are handed out."""
@@ -237,6 +238,7 @@ class Reading:
     Attributes:
         is_possible: whether they are, for rows that glide.
         has_joints: whether these are positions of joints, of which `joint_step` knows.
+        has_rates: the same for rates of turn of the robot.
     """
 
     def __init__(self, column: DataColumn, rows: int) -> None:
@@ -245,6 +247,7 @@ class Reading:
         columns = columns_of(cls)
         self.is_possible = columns is not None and layout.is_numeric_in((*columns.fields, _TIME))
         self.has_joints = columns is None and layout.dtype.kind == "f" and hasattr(cls, "joint_places")
+        self.has_rates = columns is None and layout.dtype.kind == "f" and hasattr(cls, "rate_place")
         self._slots = np.zeros(rows, np.int64)
         self._mountings: list[Any] = [None] * rows
         #: the rows of the last update, and the places of their sensors
@@ -254,11 +257,17 @@ class Reading:
         self._lanes: Lanes | None = None
         fields = [name for name in layout.fields if name != _TIME]
         self._joints = fields
-        self._places = np.zeros((rows, len(fields)), np.intp)
+        #: places of the joints, or of the rates of turn, in the positions and speeds of the engine
+        self._places = np.zeros((rows, 3 if self.has_rates else len(fields)), np.intp)
         self._numbers = [number for number, name in enumerate(layout.fields) if name != _TIME]
         if columns is not None and self.is_possible:
             self._of, self._keep = columns.of, columns.keep
             self._lanes = Lanes(rows) if columns.keep is not None else None
+
+    @property
+    def has_columns(self) -> bool:
+        """Whether they are, for some rows."""
+        return self.is_possible or self.has_joints or self.has_rates
 
     def add(self, row: int, simulation: Simulation, courses: Courses | EngineRows) -> bool:
         """Prepare a row; return False if its data cannot be computed together with those of the others."""
@@ -272,7 +281,12 @@ class Reading:
                 return False
             self._places[row] = places
             return True
-        if columns_of(type(component)) is None:
+        if self.has_rates:
+            place = component.rate_place(self._joints) if isinstance(courses, EngineRows) else None
+            if place is None:
+                return False
+            self._places[row] = range(place, place + 3)
+        elif columns_of(type(component)) is None:
             return False
         self._slots[row], self._mountings[row] = entry.place_of(component)
         self._chosen = None
@@ -310,6 +324,16 @@ class Reading:
             self._chosen = key, Mountings.of([self._mountings[row] for row in rows.tolist()])
         slots = self._slots[rows]
         moment = _Moment(courses.positions[rows, slots], courses.rotations[rows, slots], self._chosen[1])
+        if self.has_rates:
+            assert isinstance(courses, EngineRows)
+            # as `Bodies.velocity` and the sensor
+            speeds: Any = courses.speeds[rows[:, None], self._places[rows]].T
+            here: Any = courses.rotations[rows, slots].T
+            rates = turn(here, speeds)
+            rotations: Any = [numbers[0] for numbers in moment.poses_at([moment])[1]]
+            own = np.stack(turn_back(rotations, rates), axis=-1)[:, None]
+            self._column.put(rows, {**dict.fromkeys(self._joints, own), _TIME: times[:, None]})
+            return
         kept: list[np.ndarray] = []
         if self._lanes is not None and self._keep is not None and self._hits is not None and self._bundle is not None:
             self._lanes.cast(rows)

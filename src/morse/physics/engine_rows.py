@@ -55,7 +55,7 @@ class EngineRows:
 
     Attributes:
         positions, rotations: (N, K, 3) m, (N, K, 9): poses of the rigid groups, which `place` updates.
-        joints: (N, nq) positions of the joints, as the engine stores them.
+        joints, speeds: (N, nq), (N, nv) positions and speeds of the joints, as the engine stores them.
         commands: (N, nu) commands of the motors.
     """
 
@@ -92,7 +92,7 @@ class EngineRows:
             batch = self._batch = Batch(self._models[0], len(self._models), threads.count())
             batch.state[:] = self._state
             self.joints, self.commands = batch.bind("qpos"), batch.bind("ctrl")
-            self._speeds, self._contacts = batch.bind("qvel"), batch.bind("ncon")
+            self.speeds, self._contacts = batch.bind("qvel"), batch.bind("ncon")
             self._has_news = True
         return batch
 
@@ -101,7 +101,7 @@ class EngineRows:
         if self._batch is not None and not self._is_busy:
             self._state[:] = self._batch.state
             # arrays of the engine would keep its threads
-            self.joints = self.commands = self._speeds = self._contacts = np.zeros((0, 0))
+            self.joints = self.commands = self.speeds = self._contacts = np.zeros((0, 0))
             self._batch = None
 
     def add(self, row: int, world: World) -> bool:
@@ -179,7 +179,7 @@ class EngineRows:
                     batch.warning[chosen, 0, 1] += batch.status[chosen] != 0
         finally:
             self._is_busy = False
-        speeds, places = self._speeds, self.joints
+        speeds, places = self.speeds, self.joints
         going &= np.einsum("ij,ij->i", speeds, speeds) < (_NEAR * RUNAWAY_SPEED) ** 2
         going &= np.einsum("ij,ij->i", places, places) < (_NEAR * RUNAWAY_DISTANCE) ** 2
         going &= self._contacts <= self._most

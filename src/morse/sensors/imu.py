@@ -314,6 +314,15 @@ class IMU(MotionSensor):
         """Return False with errors, which depend on all earlier measurements."""
         return super().may_wait() and not (self._has_gyro_errors or self._has_accel_errors)
 
+    def rate_place(self, fields: Sequence[str]) -> int | None:
+        """Return where the world keeps the rates of turn of the robot, if the fields are these rates alone, else None.
+
+        They are in the axes of the robot.
+        """
+        if list(fields) != ["angular_velocity"] or self._has_gyro_errors or not self._is_by_velocity:
+            return None
+        return self.robot_parent.bge_object.rate_place
+
     @on_read
     def measure(self) -> None:
         """Measure angular velocity, specific force and magnetic field."""

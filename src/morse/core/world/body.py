@@ -103,6 +103,10 @@ class BodyNames(Protocol):
     def setAngularVelocity(self, velocity: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Set the angular velocity, rad/s."""
 
+    @property
+    def rate_place(self) -> int | None:
+        """Number of its rate of turn about x among the speeds of the engine; None unless it moves freely."""
+
     def applyForce(self, force: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Apply a force at the centre of mass during the next tick, N."""
 

@@ -348,6 +348,12 @@ class GameObject(LegacyNames):
             linear = (linear[0] + x, linear[1] + y, linear[2] + z)
         return linear, angular
 
+    @property
+    def rate_place(self) -> int | None:
+        """See `morse.core.world.Body.rate_place`."""
+        slot = self._world.slots[self.slot]
+        return slot.dof + 3 if slot.frame.motion is Motion.FREE and slot.dof >= 0 else None
+
     def set_velocity(self, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
         """Set the velocity of its body in world axes; None keeps the present velocity."""
         self._world.bodies.set_velocity(

@@ -420,8 +420,10 @@ class WorldChanges:
         return None if self.context.journal.sinks else self._ticker.moved_joints()
 
     def missed(self, ticks: int) -> None:
-        """Take note of ticks of `moved_joints` that were computed elsewhere."""
-        self.context.clock.advance(ticks)
+        """Take note of ticks of `moved_joints` that were computed elsewhere, at whose end all sensors have measured."""
+        if ticks:
+            self.context.clock.advance(ticks)
+            self._ticker.missed()
 
     def obey(self) -> bool:
         """Take the commands of the next tick; return whether nothing can happen but that robots drive."""

@@ -92,7 +92,7 @@ class MultiTick:
         if not self.is_possible or self._drives:
             return None
         for scan in self._scans:
-            if scan.remembers or not scan.may_skip():
+            if not scan.may_skip():
                 return None
         for other in self._others:
             if not (is_a(other, Sensor) and other.on_demand):
@@ -104,6 +104,11 @@ class MultiTick:
                 return None
             moved.append((actuator, setpoints))
         return moved if self._all_rest(self._others) else None
+
+    @property
+    def remembering(self) -> Sequence[SensorRows]:
+        """The rows of sensors that need their previous measurement."""
+        return [scan for scan in self._scans if scan.remembers]
 
     def obey(self) -> bool:
         """Take the commands that have arrived for the next tick; return whether the robots go on at these speeds."""

@@ -284,6 +284,11 @@ class Ticker:
         """
         return self._leaping.moved_joints() if self._is_calm() else None
 
+    def missed(self) -> None:
+        """Let sensors measure that need their previous measurement, after steps that were run elsewhere."""
+        with self._acting:
+            self._act(self._leaping.remembering)
+
     def obey(self) -> bool:
         """Take the commands of the next tick while nothing else can happen; return whether robots go on."""
         with self._acting:
