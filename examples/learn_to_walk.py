@@ -75,12 +75,14 @@ def walk(envs, weights, length, seed, act=actions):
     return rewards, way, up
 
 
-def search(task, act, shape, rounds, length, seed, tell, noise=NOISE, rate=RATE):
+def search(task, act, shape, rounds, length, seed, tell, noise=NOISE, rate=RATE, period=PERIOD, form="{:5.2f} m/s"):
     """Return weights of a shape, and the learning curve: actions, seconds, mean speed ahead (m/s).
 
     Args:
         act: a function like `actions`.
         length: actions of an episode.
+        period: time of an action (s); None for a curve of the mean way itself.
+        form: how a value of the curve is told.
     """
     envs = morse.gym.vector(task, ROWS, workers=WORKERS)
     rng, weights = np.random.default_rng(seed), np.zeros(shape)
@@ -93,8 +95,9 @@ def search(task, act, shape, rounds, length, seed, tell, noise=NOISE, rate=RATE)
         slope = ((rewards[0::2] - rewards[1::2])[:, None, None] * aside).mean(axis=0) / (rewards.std() + 1e-6)
         drift = MOMENTUM * drift + slope
         weights = weights + size * rate * drift
-        curve.append(((number + 1) * ROWS * length, time.perf_counter() - begin, float(way.mean()) / (PERIOD * length)))
-        tell("{:8d} actions, {:4.0f} s, {:5.2f} m/s".format(*curve[-1]))
+        value = float(way.mean()) / (period * length if period else 1.0)
+        curve.append(((number + 1) * ROWS * length, time.perf_counter() - begin, value))
+        tell(("{:8d} actions, {:4.0f} s, " + form).format(*curve[-1]))
     envs.close()
     return weights, curve
 

@@ -231,3 +231,32 @@ def test_stable_baselines_learns_with_it(learn_to_trot_example):
     action, _ = model.predict(envs.reset(), deterministic=True)
     assert envs.action_space.contains(action[0])
     envs.close()
+
+
+# -- the example of an arm that learns to reach
+
+
+@pytest.fixture(scope="module")
+def learn_to_reach_example(learn_to_walk_example):
+    return loaded("learn_to_reach")
+
+
+def test_the_arm_reaches_with_the_weights_that_ship(learn_to_reach_example):
+    weights = np.array(json.loads(learn_to_reach_example.WEIGHTS.read_text()))
+    assert learn_to_reach_example.judge(weights, rows=12, seed=77) >= 0.6
+    assert learn_to_reach_example.judge(np.zeros((3, 16)), rows=4) == 0.0
+
+
+def test_a_short_search_for_the_way_to_a_place(learn_to_reach_example, learn_to_walk_example, monkeypatch):
+    monkeypatch.setattr(learn_to_walk_example, "ROWS", 4)
+    monkeypatch.setattr(learn_to_walk_example, "WORKERS", 0)
+    monkeypatch.setattr(learn_to_reach_example, "LENGTH", 5)
+    weights, curve = learn_to_reach_example.train(rounds=2, tell=print)
+    assert [row[0] for row in curve] == [20, 40]
+    assert np.abs(weights).max() > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_it_learns_to_reach(learn_to_reach_example, tmp_path):
+    assert learn_to_reach_example.main(["--learn", "--weights", str(tmp_path / "weights.json")]) >= 0.6
