@@ -13,7 +13,7 @@ from benchmarks.plan import Plan
 from benchmarks.plot import draw, speed_lines
 from benchmarks.suites.circles import PEERS, circles, growth, readers
 from benchmarks.suites.components import components
-from benchmarks.suites.crowd import crowd, view
+from benchmarks.suites.crowd import crowd, people, view
 from benchmarks.suites.floods import floods
 from benchmarks.suites.launch import launch
 from benchmarks.suites.lockstep import lockstep
@@ -42,6 +42,7 @@ SUITES: dict[str, Callable[[Plan], Iterator[Result]]] = {
     "view": view,
     "page": page,
     "crowd": crowd,
+    "people": people,
     "growth": growth,
     "floods": floods,
 }

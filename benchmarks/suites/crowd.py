@@ -32,6 +32,27 @@ def crowd(plan: Plan) -> Iterator[Result]:
     yield Result("crowd", case, trial.median(plan.clock("factor")), "x real time", at_least(1.0), details=details)
 
 
+def people(plan: Plan) -> Iterator[Result]:
+    """People among walls, and a robot with a lidar of 181 rays."""
+    for count, bound in ((20, 1.0),) if plan.quick else ((200, 1.0), (1000, 0.2)):
+        case = f"{count} people, a robot with 181 rays"
+        program = Program("morse", "benchmarks.programs.people", ("--n", str(count), "--secs", str(plan.seconds(3.0))))
+        try:
+            trial = interleave([program], plan.repeats, _stands)["morse"]
+        except TrialFailed as error:
+            yield failure("people", case, str(error))
+            continue
+        details = {"load_s": trial.median("load_s"), "memory_mb": trial.median("memory_mb")}
+        yield Result(
+            "people", case, trial.median(plan.clock("factor")), "x real time", at_least(bound), details=details
+        )
+
+
+def _stands(record: Record) -> str | None:
+    speed = record["mean_speed_m_s"]
+    return None if speed > 0.1 else f"people walk at {speed:.2g} m/s"
+
+
 def view(plan: Plan) -> Iterator[Result]:
     """Processor time of the server of the view, in real time."""
     count = 20 if plan.quick else 500

@@ -23,7 +23,7 @@ def page(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return page
 
 
-@pytest.mark.parametrize("title", ["Mechanics", "Linkages and arms", "Sensors", "Cameras", "The engine"])
+@pytest.mark.parametrize("title", ["Mechanics", "Linkages and arms", "Sensors", "Cameras", "People", "The engine"])
 def test_figures_are_within_their_tolerances_and_on_the_page(page: Any, title: str) -> None:
     figures = list(dict(page.CHAPTERS)[title].figures())
     wrong = [f"{f.model}: {f.quantity}: {f.measured}, expected {f.expected}" for f in figures if not f.is_right]

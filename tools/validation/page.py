@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import coupling
 import engine
 import mechanics
+import people
 import pictures
 import seeing
 import senses
@@ -28,6 +29,7 @@ CHAPTERS = (
     ("Cameras", seeing),
     ("Radar, sonar and other senses", senses),
     ("Weather", weather),
+    ("People", people),
     ("The engine", engine),
 )
 HEAD = """# Validation

@@ -235,3 +235,92 @@ Environment("empty")
         assert counts[-1] == 0
         assert sim.people.ask(0).result()["state"] == "gone"
         assert min(sim.robot.scan.get()["range_list"]) > 29.0
+
+
+def test_a_robot_and_a_person_push_each_other_and_the_contact_is_reported(tmp_path, caplog):
+    path = tmp_path / "scene.py"
+    path.write_text(
+        """
+from morse.builder import *
+crowd = Crowd("people", 1, deviation=0.0)
+crowd.start(places=[(2.0, 0.0)])
+robot = ATRV("robot")
+robot.translate(0, 0, 0.1)
+motion = MotionVW("motion")
+robot.append(motion)
+crowd.avoids(robot, attention=0.0)
+Environment("empty")
+""",
+        "utf-8",
+    )
+    with morse.load(path) as sim:
+        sim.robot.motion.publish({"v": 1.0, "w": 0.0})
+        found = []
+        for _ in range(150):
+            sim.step()
+            found += sim.people.data["contacts"]
+        assert found
+        first = found[0]
+        assert (first["person"], first["robot"]) == (0, "robot")
+        assert first["force"] > 0.0
+        assert first["limit"] in (260.0, 220.0, 440.0, 360.0, 280.0)
+        assert first["point"][0] < 2.0
+        assert sim.people.data["positions"][0, 0] > 2.2
+        assert sim.people.data["exceeded"] >= 1
+        assert "robot hits person 0 of people" in caplog.text
+        # the person is not inside of the robot
+        here = sim.context.world.objects_by_name["robot"].world_pose()[0]
+        assert sim.people.data["positions"][0, 0] - here[0] > 0.4
+
+
+def test_a_tracker_tells_who_is_near_and_not_who_is_behind_a_wall(tmp_path):
+    path = tmp_path / "scene.py"
+    path.write_text(
+        """
+from morse.builder import *
+crowd = Crowd("people", 3)
+crowd.start(places=[(2.0, 0.0), (0.0, 4.0), (30.0, 0.0)])
+wall = Cube("wall")
+wall.scale = (2, 0.1, 1.5)
+wall.translate(0, 2, 1.5)
+wall.static()
+robot = FakeRobot("robot")
+for name, hidden in (("all", False), ("seen", True)):
+    tracker = PeopleTracker(name)
+    tracker.properties(Range=10.0, Occlusion=hidden)
+    tracker.translate(z=1.0)
+    robot.append(tracker)
+Environment("empty")
+""",
+        "utf-8",
+    )
+    with morse.load(path) as sim:
+        found = sim.robot.all.get()["people"]
+        assert [one["name"] for one in found] == ["people 0", "people 1"]
+        assert found[1]["position"] == pytest.approx([0.0, 4.0, 0.0], abs=0.01)
+        assert {"id", "group_id", "velocity", "yaw", "radius", "state"} <= found[0].keys()
+        assert [one["name"] for one in sim.robot.seen.get()["people"]] == ["people 0"]
+
+
+def test_two_crowds_give_way_to_each_other(tmp_path):
+    path = tmp_path / "scene.py"
+    path.write_text(
+        """
+from morse.builder import *
+for name, x in (("left", -4.0), ("right", 4.0)):
+    crowd = Crowd(name, 1, deviation=0.0)
+    crowd.start(places=[(x, 0.0)])
+    crowd.goals([(-x, 0.0)])
+Environment("empty")
+""",
+        "utf-8",
+    )
+    with morse.load(path) as sim:
+        closest = 9.0
+        for _ in range(480):
+            sim.step()
+            apart = sim.left.data["positions"][0] - sim.right.data["positions"][0]
+            closest = min(closest, float(np.linalg.norm(apart)))
+        assert closest > 0.35
+        assert sim.left.data["positions"][0, 0] > 3.0
+        assert sim.right.data["positions"][0, 0] < -3.0

@@ -355,8 +355,13 @@ def _downhill(time: Floats) -> tuple[Floats, Floats]:
         up, down = _shifted(time, rows, columns), _shifted(time, -rows, -columns)
         with np.errstate(invalid="ignore"):
             rise_up, rise_down = time - up, time - down
-        best = np.maximum(np.nan_to_num(rise_up, nan=0.0, neginf=0.0), np.nan_to_num(rise_down, nan=0.0, neginf=0.0))
+        best = np.maximum(
+            np.nan_to_num(rise_up, nan=0.0, posinf=1.0, neginf=0.0),
+            np.nan_to_num(rise_down, nan=0.0, posinf=1.0, neginf=0.0),
+        )
         positive = np.maximum(best, 0.0)
-        toward_up = np.nan_to_num(rise_up, nan=0.0, neginf=0.0) >= np.nan_to_num(rise_down, nan=0.0, neginf=0.0)
+        toward_up = np.nan_to_num(rise_up, nan=0.0, posinf=1.0, neginf=0.0) >= np.nan_to_num(
+            rise_down, nan=0.0, posinf=1.0, neginf=0.0
+        )
         result.append(np.where(np.isfinite(positive), np.where(toward_up, positive, -positive), 0.0))
     return result[0], result[1]
