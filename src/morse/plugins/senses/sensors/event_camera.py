@@ -142,6 +142,7 @@ class EventCamera(Camera):
         self._memory = self._last = np.zeros((0, 0), np.float32)
         self._fired = np.zeros((0, 0))
         self._time = self._exposed = 0.0
+        self._limits: tuple[object, NDArray[np.float32]] = (None, self._last)
 
     def develop(self, exposure: Exposure) -> None:
         """Take note of the time of the image, which may be developed later."""
@@ -163,21 +164,24 @@ class EventCamera(Camera):
         self.local_data["events"] = events[:_MOST]
 
     def _threshold(self, shape: tuple[int, ...]) -> NDArray[np.float32]:
-        if not self.errors:
-            return np.full(shape, self.threshold, np.float32)
-        random = self.context.random(f"{self.name()}/thresholds")
-        spread = random.standard_normal(shape, np.float32) * np.float32(self.threshold_deviation)
-        return np.asarray(np.maximum(np.float32(self.threshold) + spread, np.float32(0.01)))
+        key = (shape, self.threshold, self.threshold_deviation, self.errors)
+        if self._limits[0] != key:
+            limits = np.full(shape, self.threshold, np.float32)
+            if self.errors:
+                random = self.context.random(f"{self.name()}/thresholds")
+                limits += random.standard_normal(shape, np.float32) * np.float32(self.threshold_deviation)
+            self._limits = key, np.maximum(limits, np.float32(0.01))
+        return self._limits[1]
 
     def _events(self, now: NDArray[np.float32], begin: float, end: float) -> NDArray[np.float64]:
         """Return the events (n, 4) between two images, and change what the pixels remember."""
         limit = self._threshold(now.shape)
         change = now - self._memory
-        counts = np.floor(np.abs(change) / limit + np.float32(1e-4)).astype(np.int64)
-        rows, columns = np.nonzero(counts)
+        rows, columns = np.nonzero(np.abs(change) > limit * np.float32(0.9999))
+        counts = np.floor(np.abs(change[rows, columns]) / limit[rows, columns] + np.float32(2e-4)).astype(np.int64)
         blocks = [np.zeros((0, 4))]
         if len(rows):
-            number = np.minimum(counts[rows, columns], _MOST_OF_A_PIXEL)
+            number = np.minimum(counts, _MOST_OF_A_PIXEL)
             step = limit[rows, columns].astype(np.float64)
             sign = np.sign(change[rows, columns]).astype(np.float64)
             start, memory = self._last[rows, columns].astype(np.float64), self._memory[rows, columns].astype(np.float64)
@@ -191,7 +195,7 @@ class EventCamera(Camera):
                 free = np.where(good, times + self.refractory_period, free)
                 blocks.append(np.column_stack([columns, rows, times, sign])[good])
             self._fired[rows, columns] = free - self.refractory_period
-            self._memory[rows, columns] += (sign * step * counts[rows, columns]).astype(np.float32)
+            self._memory[rows, columns] += (sign * step * counts).astype(np.float32)
         if self.errors and self.noise_rate > 0.0:
             blocks.append(self._noise(now.shape, begin, end))
         events = np.concatenate(blocks)
