@@ -32,6 +32,7 @@ ROWS = [
     ("viewer.uploads", "_LARGEST", 128 * MB, "models that a page", "128 MB each"),
     ("viewer.uploads", "_MOST_FILES", 5000, "models that a page", "5,000 files"),
     ("viewer.uploads", "_MOST_BYTES", 512 * MB, "models that a page", "512 MB together"),
+    ("viewer.uploads", "_MOST_TRIANGLES", 300_000, "models that a page", "300,000 triangles"),
     ("viewer.uploads", "_MOST_MODELS", 20, "models that a page", "20 files"),
     ("services.state_services", "_MOST", 32, "saved states", "32"),
     ("services.time_services", "_MAX_ALARMS", 100_000, "sleeping calls", "100,000"),

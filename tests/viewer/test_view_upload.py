@@ -6,6 +6,7 @@ import base64
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -13,6 +14,7 @@ from editor_desk import MODELS, SCENE, Desk
 from view_pages import Client
 
 import morse
+from morse.viewer import uploads
 from morse.viewer.catalog import Catalog
 from tests.kit.waiting import wait_until
 
@@ -242,6 +244,23 @@ def test_a_damaged_model_is_named_and_the_simulation_goes_on(desk: Desk, content
     assert desk.simulation.clock.time > before
 
 
+def test_a_model_for_which_the_simulation_would_wait_long_is_not_added(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(uploads, "_MOST_TRIANGLES", 3)
+    (entry,) = report(desk, "rock", {"rock.obj": TETRAHEDRON})
+    assert "4 triangles" in entry["error"]
+    assert entry["kinds"] == []
+    assert "no model" in desk.ask("add_model", model="rock/rock.obj", position=[0, 0, 0])["error"]
+
+
+def test_a_disk_is_not_filled(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(uploads.shutil, "disk_usage", lambda _: SimpleNamespace(free=1 << 20))
+    answer = desk.ask("begin_upload", name="arm", files=[["arm.urdf", 5]])
+    assert "free on the disk" in answer["error"]
+    assert stored(desk) == []
+
+
 def test_what_was_not_sent_cannot_be_named_as_a_robot_of_a_file(desk: Desk, tmp_path_factory: Any) -> None:
     elsewhere = tmp_path_factory.mktemp("elsewhere") / "secret.urdf"
     elsewhere.write_text(URDF)
@@ -254,8 +273,6 @@ def test_what_was_not_sent_cannot_be_named_as_a_robot_of_a_file(desk: Desk, tmp_
 
 
 def test_ticks_go_on_while_a_model_is_read(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
-    from morse.viewer import uploads
-
     may_go_on = threading.Event()
     load = uploads.load
 

@@ -27,6 +27,7 @@ from morse.core.reports.faults import message
 from morse.core.reports.quoting import quoted, short
 from morse.core.validation.names import DEVICES
 from morse.helpers.descriptions import robot_file, robot_kind
+from morse.services.recording_services import LEAST
 from morse.system.free_names import free_name
 from morse.viewer.view_messages import Answer, Model
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 #: bytes of one upload, and of all uploads of a run; uploads and files of a run
 _LARGEST, _MOST_BYTES = 128 << 20, 512 << 20
 _MOST_UPLOADS, _MOST_FILES = 100, 5000
+#: triangles of a model that is added to a running simulation, which waits for it; about 10 µs each
+_MOST_TRIANGLES = 300_000
 #: folders below each other, characters of a name
 _DEEPEST, _LONGEST = 8, 100
 #: characters that no file has on all systems, and names that begin or end as those of files do not
@@ -110,6 +113,8 @@ class Uploads:
         if self._root is None:
             self._root = tempfile.TemporaryDirectory(prefix="morse-files-", ignore_cleanup_errors=True)
             self._scene.resource_paths.append(self._root.name)
+        if (free := shutil.disk_usage(self._root.name).free) < size + LEAST:
+            raise MorseError(f"only {free >> 20} MB are free on the disk for {size >> 20} MB of files")
         folder = Path(self._root.name) / self._free_folder(event.name)
         folder.mkdir()
         for path, _ in files:
@@ -299,13 +304,18 @@ def _wholes(folder: Path, paths: Sequence[PurePosixPath]) -> list[PurePosixPath]
 def _models(file: str, library: Library) -> tuple[list[Model], str]:
     """The models of a file that can be added, and why there are none."""
     name = PurePosixPath(file).stem
-    kind = class_of(library)
-    if kind == "Robot":
-        return [Model(robot_kind(file), name, "robots", "a robot of your own files")], ""
     if library.world:
         return [], f"it is a world, which a scene has one of: write Environment({file!r}) into the script"
     if not library.roots:
         return [], "there is nothing in it"
+    triangles = sum(len(node.mesh.triangles) for node in library.nodes() if node.mesh is not None)
+    if triangles > _MOST_TRIANGLES:
+        return [], (
+            f"it has {triangles:,} triangles, of which a running simulation takes at most {_MOST_TRIANGLES:,}: make it "
+            f"simpler, or write PassiveObject({file!r}) into the script"
+        )
+    if class_of(library) == "Robot":
+        return [Model(robot_kind(file), name, "robots", "a robot of your own files")], ""
     group = f"{name}, of your own files"
     if len(library.roots) == 1:
         return [Model(file, name, group)], ""

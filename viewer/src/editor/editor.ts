@@ -3,7 +3,7 @@ import type { Connection } from "../connection/connection";
 import type { Answer, Model, SceneChanges } from "../generated/protocol";
 import type { Components } from "../model/components";
 import type { Toasts } from "../panels/toasts";
-import { h, iconButton } from "../ui/dom";
+import { disable, h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Shell } from "../ui/shell";
 import type { Signal } from "../ui/signal";
@@ -45,7 +45,7 @@ export class Editor {
   ) {
     this.marker = new Marker(stage);
     const add: Add = (kind, name, place) => this.put({ kind, name, group: "robots", doc: "", words: "" }, place);
-    this.uploader = new Uploader(connection, toasts, () => this.drives.value && !this.element.hidden, add);
+    this.uploader = new Uploader(connection, toasts, drives, add);
     this.list = new AddPanel(connection, {
       show: (_, x, y) => this.aim(x, y),
       put: (model, place) => void this.put(model, place),
@@ -79,7 +79,7 @@ export class Editor {
   /** Who may not change the scene sees disabled controls. */
   private enable(): void {
     const drives = this.drives.value;
-    this.addButton.disabled = !drives;
+    disable(this.addButton, !drives);
     this.undoButton.disabled = !drives || !this.changes?.last;
     this.redoButton.disabled = !drives || !this.changes?.next;
     this.saveButton.disabled = !drives || !this.changes?.file;

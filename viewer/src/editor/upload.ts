@@ -1,6 +1,7 @@
 import type { Connection } from "../connection/connection";
 import type { Toasts } from "../panels/toasts";
-import { h } from "../ui/dom";
+import { disable, h } from "../ui/dom";
+import type { Signal } from "../ui/signal";
 
 /** Bytes of a message with a part of a file: as base64 it is below the limit of the simulator. */
 const PART = 120_000;
@@ -32,7 +33,7 @@ export class Uploader {
   constructor(
     private readonly connection: Connection,
     private readonly toasts: Toasts,
-    private readonly drives: () => boolean,
+    private readonly drives: Signal<boolean>,
     private readonly add: Add,
   ) {
     const files = this.chooser("a model…", "Add a model of your own: URDF, SDF, MJCF, glTF, .blend or meshes, with the files that it needs", false);
@@ -70,12 +71,14 @@ export class Uploader {
       input.value = "";
       void this.take(items, null);
     });
-    return h("span", {}, input, h("button", { type: "button", title, onclick: () => input.click() }, label));
+    const button = h("button", { type: "button", title, onclick: () => input.click() }, label);
+    this.drives.watch((drives) => disable(button, !drives));
+    return h("span", {}, input, button);
   }
 
   /** Send files, and add the model among them. */
   async take(items: Item[], place: { x: number; y: number } | null): Promise<void> {
-    if (!this.drives()) return this.toasts.show("Only the page that drives can add a model.", "error");
+    if (!this.drives.value) return this.toasts.show("Only the page that drives can add a model.", "error");
     const { name, known, others } = sorted(items);
     const first = known[0];
     if (!first) return this.toasts.show(`There is no model in ${items.length === 1 ? items[0]?.path ?? "" : `these ${items.length} files`}.`, "error");
