@@ -202,7 +202,7 @@ def test_fields_are_dragged_into_plots_and_kept_as_files(shown, tmp_path) -> Non
         page.get_by_role("button", name="CSV").click()
     table.value.save_as(tmp_path / "plot.csv")
     rows = list(csv.DictReader((tmp_path / "plot.csv").open(encoding="utf-8")))
-    assert list(rows[0]) == ["time (s)", "robot0.lidar.x (m)", *(f"robot0.lidar.position.{i} (m)" for i in range(3))]
+    assert list(rows[0]) == ["time (s)", "robot0.lidar.x (m)", *(f"robot0.lidar.position.{axis} (m)" for axis in "xyz")]
     for row in rows[1:]:
         assert float(row["robot0.lidar.x (m)"]) == pytest.approx(math.cos(float(row["time (s)"])))
     assert [float(row["time (s)"]) for row in rows] == sorted(float(row["time (s)"]) for row in rows)
@@ -245,7 +245,8 @@ def test_one_field_is_plotted_over_another_with_one_scale_for_one_unit(shown) ->
     assert axis.is_hidden()  # there is nothing to choose
     page.evaluate("morse.panels.plots.plot('robot0.lidar', 'position', morse.panels.plots.plots[0])")
     wait_until(lambda: page.locator(".legend li").count() == 4)
-    names = ["robot0.lidar.x", *(f"robot0.lidar.position.{i}" for i in range(3))]
+    # the components of a vector are called as its axes
+    names = ["robot0.lidar.x", *(f"robot0.lidar.position.{one}" for one in "xyz")]
     assert axis.locator("option").all_inner_texts() == ["over time", *(f"over {name}" for name in names)]
     inner, outer = axis.bounding_box(), page.locator("figure.plot .head").bounding_box()
     assert inner

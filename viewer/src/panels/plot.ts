@@ -14,6 +14,8 @@ export interface Curve {
   component: string;
   /** path of the number in the component's data: field, or field.part */
   path: string;
+  /** the path with the axis of a vector: position.x */
+  label?: string;
   unit: string;
 }
 
@@ -114,7 +116,7 @@ export class Plot {
   /** The horizontal axes from which one can choose. */
   private offer(): void {
     const chosen = this.over.value;
-    this.over.replaceChildren(h("option", { value: "" }, "over time"), ...this.curves.map((curve) => h("option", { value: nameOf(curve) }, `over ${nameOf(curve)}`)));
+    this.over.replaceChildren(h("option", { value: "" }, "over time"), ...this.curves.map((curve) => h("option", { value: nameOf(curve) }, `over ${labelOf(curve)}`)));
     this.over.value = chosen;
     this.over.hidden = this.curves.length < 2;
   }
@@ -165,7 +167,7 @@ export class Plot {
   }
 
   csv(): string {
-    const names = this.curves.map((curve) => `"${nameOf(curve)}${curve.unit ? ` (${curve.unit})` : ""}"`);
+    const names = this.curves.map((curve) => `"${labelOf(curve)}${curve.unit ? ` (${curve.unit})` : ""}"`);
     const rows = this.times.map((time, i) => [time, ...this.values.map((column) => column[i] ?? "")].join(","));
     return [["time (s)", ...names].join(","), ...rows].join("\n") + "\n";
   }
@@ -277,12 +279,12 @@ export class Plot {
 
   /** The legend: curves by component and field, with their values at an index. */
   private label(index: number): void {
-    const items = this.curves.map(({ component, path, unit }, i) => {
+    const items = this.curves.map(({ component, path, label, unit }, i) => {
       const value = this.values[i]?.[index];
       const text = value == null ? "" : ` ${format(value)} ${unit}`;
       const whose = h("span", { class: "quiet" }, `${component}.`);
       const ink = i === this.base ? "transparent" : colorOf(i);
-      return h("li", { title: `${component}.${path}`, style: `--ink: ${ink}` }, h("span", {}, whose, path), h("b", {}, text));
+      return h("li", { title: `${component}.${path}`, style: `--ink: ${ink}` }, h("span", {}, whose, label ?? path), h("b", {}, text));
     });
     const awaited = this.awaited.map(({ component, field }) => h("li", { class: "quiet" }, `${component}.${field} has no value yet…`));
     this.legend.replaceChildren(...items, ...awaited);
@@ -290,8 +292,8 @@ export class Plot {
 
   /** What a picture of the plot says about its curves, each with its colour. */
   private titles(): [string, string][] {
-    if (this.base < 0) return this.curves.map((curve, i) => [nameOf(curve), colorOf(i)]);
-    return this.others().map((i) => [`${nameOf(this.curves[i] as Curve)} over ${this.over.value}`, colorOf(i)]);
+    if (this.base < 0) return this.curves.map((curve, i) => [labelOf(curve), colorOf(i)]);
+    return this.others().map((i) => [`${labelOf(this.curves[i] as Curve)} over ${labelOf(this.curves[this.base] as Curve)}`, colorOf(i)]);
   }
 
   /** Different texts for different numbers, with the unit that all curves have. */
@@ -314,8 +316,14 @@ export class Plot {
   }
 }
 
+/** What identifies a curve. */
 function nameOf({ component, path }: Curve): string {
   return `${component}.${path}`;
+}
+
+/** What people read. */
+function labelOf({ component, path, label }: Curve): string {
+  return `${component}.${label ?? path}`;
 }
 
 /** The range of an axis: a constant value is in the middle of a range of its own size, not of 0 to 100. */

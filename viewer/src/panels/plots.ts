@@ -123,8 +123,12 @@ export class PlotsPanel {
   private curvesOf(component: string, field: string): Curve[] | null {
     const value = this.components.valuesOf(component)?.data[field] ?? null;
     if (value === null) return null;
-    const unit = this.components.find(component)?.data.find(({ name }) => name === field)?.unit ?? "";
-    return numbersIn(value, [field]).map(([path]) => ({ component, path, unit: unitText(unit) }));
+    const { unit, type } = this.components.find(component)?.data.find(({ name }) => name === field) ?? { unit: "", type: "" };
+    const isVector = type.startsWith("vec3");
+    return numbersIn(value, [field]).map(([path], i) => {
+      const curve = { component, path, unit: unitText(unit) };
+      return isVector && path !== field ? { ...curve, label: `${field}.${"xyz"[i] ?? i}` } : curve;
+    });
   }
 
   private accept(element: HTMLElement, plot: Plot | null): void {
