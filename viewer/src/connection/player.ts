@@ -117,7 +117,7 @@ export class Player {
 }
 
 /** The poses at a time, interpolated. */
-function between({ times, width, rows }: PoseTrack, time: number): Float32Array {
+export function between({ times, width, rows }: PoseTrack, time: number): Float32Array {
   const at = Math.max(lastAt(times, time), 0);
   const poses = rows.slice(at * width, (at + 1) * width);
   if (at + 1 >= times.length) return poses;

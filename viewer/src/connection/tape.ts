@@ -1,6 +1,9 @@
 import { fileAddress } from "./address";
 import type { ServerMessage } from "../generated/protocol";
 
+/** Largest size of a run in a page, unpacked, bytes. */
+const LARGEST = 2 ** 29;
+
 type Place = [begin: number, length: number];
 
 /** See `morse.viewer.exported_page`. */
@@ -44,6 +47,7 @@ const element = document.getElementById("tape");
 
 /** The run in this page; null for a page that a simulator serves. */
 export const tape: Promise<Tape> | null = element === null ? null : unpack(element.textContent ?? "");
+element?.remove();
 
 /** Fetch a file of the simulator, or take it from the tape. */
 export async function fetchFile(url: string): Promise<Response> {
@@ -58,10 +62,10 @@ export async function addressOf(url: string): Promise<string> {
   return file ? URL.createObjectURL(file) : fileAddress(url, location.href);
 }
 
-async function unpack(text: string): Promise<Tape> {
+/** Read a tape from the text of the page that contains it. */
+export async function unpack(text: string): Promise<Tape> {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  element?.remove();
-  const plain = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+  const plain = await inflated(packed);
   const size = new DataView(plain).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(plain, 4, size))) as Head;
   const parts = plain.slice(4 + size);
@@ -84,6 +88,23 @@ async function unpack(text: string): Promise<Tape> {
     rows: unwind(new Uint8Array(parts, begin, times.length * width * 4), width, head.places),
   }));
   return { begin: head.begin, end: head.end, frequency: head.frequency, poses, tracks, files: new Map(files) };
+}
+
+/** Bytes that gzip has packed: not more than a run in a page may have, whatever a file of somebody says. */
+async function inflated(packed: Uint8Array<ArrayBuffer>): Promise<ArrayBuffer> {
+  const reader = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip")).getReader();
+  const chunks: Uint8Array<ArrayBuffer>[] = [];
+  let size = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return new Blob(chunks).arrayBuffer();
+    chunks.push(value);
+    size += value.length;
+    if (size > LARGEST) {
+      await reader.cancel();
+      throw new Error(`it has more than ${LARGEST >> 20} MB`);
+    }
+  }
 }
 
 /** The numbers of rows of which the differences are stored, the bytes of each weight together. */

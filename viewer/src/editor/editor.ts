@@ -42,10 +42,11 @@ export class Editor {
     private readonly drives: Signal<boolean>,
     /** what the list of models takes the place of */
     private readonly tree: HTMLElement,
+    compare: (file: File) => void,
   ) {
     this.marker = new Marker(stage);
     const add: Add = (kind, name, place) => this.put({ kind, name, group: "robots", doc: "", words: "" }, place);
-    this.uploader = new Uploader(connection, toasts, drives, add);
+    this.uploader = new Uploader(connection, toasts, drives, add, compare);
     this.list = new AddPanel(connection, {
       show: (_, x, y) => this.aim(x, y),
       put: (model, place) => void this.put(model, place),

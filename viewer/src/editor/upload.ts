@@ -35,6 +35,8 @@ export class Uploader {
     private readonly toasts: Toasts,
     private readonly drives: Signal<boolean>,
     private readonly add: Add,
+    /** shows an exported run beside the present one */
+    private readonly compare: (file: File) => void,
   ) {
     const files = this.chooser("a model…", "Add a model of your own: URDF, SDF, MJCF, glTF, .blend or meshes, with the files that it needs", false);
     const folder = this.chooser("a folder…", "Add a model of your own with its folder", true);
@@ -78,6 +80,8 @@ export class Uploader {
 
   /** Send files, and add the model among them. */
   async take(items: Item[], place: { x: number; y: number } | null): Promise<void> {
+    const only = items.length === 1 ? items[0] : undefined;
+    if (only && /\.html?$/i.test(only.path)) return this.compare(only.file);
     if (!this.drives.value) return this.toasts.show("Only the page that drives can add a model.", "error");
     const { name, known, others } = sorted(items);
     const first = known[0];

@@ -7,6 +7,7 @@ import { isCamera } from "../model/components";
 import { Sounds } from "../sound/sounds";
 import { Editor } from "../editor/editor";
 import { theme, toggleTheme } from "../ui/theme";
+import { Ghost } from "../view/ghost";
 import { Highlight } from "../view/highlight";
 import { Mover } from "../view/mover";
 import type { WorldNode } from "../world/node";
@@ -48,6 +49,7 @@ export class Panels {
   readonly recording: RecordingPanel;
   readonly sounds: Sounds;
   readonly editor: Editor;
+  readonly ghost: Ghost;
   private readonly highlight: Highlight;
   /** whether the handles come back when the world has been described again */
   private again = false;
@@ -75,7 +77,9 @@ export class Panels {
       (name) => this.object.show(name, components.cameras.some((camera) => camera.name === name)),
       (component, field) => this.plots.plot(component, field),
     );
-    this.editor = new Editor(connection, stage, components, toasts, shell, app.world, app.seat.drives, tree.element);
+    const ghost = (this.ghost = new Ghost(stage, toasts, app.poses));
+    this.viewMenu.element.querySelector(".popup")?.append(ghost.button);
+    this.editor = new Editor(connection, stage, components, toasts, shell, app.world, app.seat.drives, tree.element, (file) => void ghost.load(file));
     shell.left.append(this.editor.element, this.editor.list.element, tree.element);
     shell.right.append(inspector.element);
     const openLog = (text: string): void => {
@@ -88,7 +92,7 @@ export class Panels {
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();
-    shell.over.append(h("div", { class: "said" }, new TaskPanel(connection).element, this.mover.element, this.ruler.element, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
+    shell.over.append(h("div", { class: "said" }, new TaskPanel(connection).element, ghost.element, this.mover.element, this.ruler.element, this.recording.element, app.clock.warning, new WorldEnd(app.world, components).element, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
     // a hand that drives cannot move the camera, and a small picture is left soon

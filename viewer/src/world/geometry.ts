@@ -1,9 +1,11 @@
 import { BufferAttribute, BufferGeometry } from "three";
-import { fetchFile } from "../connection/tape";
 import type { MeshDescription } from "../generated/protocol";
 
 /** Fetches packed meshes; a file that several meshes share is fetched once. */
 export class GeometryStore {
+  /** @param fetchFile gives the content at an address */
+  constructor(private readonly fetchFile: (url: string) => Promise<Response>) {}
+
   private readonly files = new Map<string, Promise<ArrayBuffer>>();
   private readonly known = new Map<string, BufferGeometry>();
 
@@ -24,7 +26,7 @@ export class GeometryStore {
   private file(url: string): Promise<ArrayBuffer> {
     let file = this.files.get(url);
     if (!file) {
-      file = fetchFile(url).then((answer) => {
+      file = this.fetchFile(url).then((answer) => {
         if (!answer.ok) throw new Error(`the geometry cannot be fetched: ${answer.status} ${answer.statusText}`);
         return answer.arrayBuffer();
       });

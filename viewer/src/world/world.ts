@@ -1,6 +1,7 @@
 import type { BufferGeometry, Material } from "three";
 import { Box3, Group, Mesh, Sphere, Vector3 } from "three";
 import type { PoseFrame } from "../connection/frames";
+import { fetchFile } from "../connection/tape";
 import type { Appearance, SceneDescription } from "../generated/protocol";
 import type { Look } from "./batches";
 import { Batch } from "./batches";
@@ -11,7 +12,7 @@ import { WorldNode } from "./node";
 /** Minimum number of nodes with the same appearance that are drawn as a batch. */
 const BATCH_FROM = 4;
 
-const geometries = new GeometryStore();
+const geometries = new GeometryStore(fetchFile);
 
 /** A world as described, at the latest poses. */
 export class World {
@@ -22,8 +23,9 @@ export class World {
   private readonly batches: Batch[] = [];
   private readonly batchOf = new Map<WorldNode, Batch>();
 
-  static async load(description: SceneDescription, anisotropy: number, onChange: () => void): Promise<World> {
-    const meshes = await geometries.load(description.meshes);
+  /** @param from gives the files of the world; by default, those of the simulator or of the run in this page */
+  static async load(description: SceneDescription, anisotropy: number, onChange: () => void, from?: (url: string) => Promise<Response>): Promise<World> {
+    const meshes = await (from ? new GeometryStore(from) : geometries).load(description.meshes);
     const materials = new MaterialStore(description.materials, description.view.wireframe, anisotropy, onChange);
     return new World(description, meshes, materials);
   }
