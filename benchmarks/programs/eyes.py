@@ -1,6 +1,7 @@
 """Pictures and rays of MuJoCo models, in turn with `mujoco.Renderer` and `mujoco.mj_multiRay`, in processor time.
 
     python -m benchmarks.programs.eyes                      # the models of Gymnasium
+    python -m benchmarks.programs.eyes --packages gymnasium dm_control gymnasium_robotics robosuite
     python -m benchmarks.programs.eyes scenes/*.xml         # others
     MUJOCO_GL=osmesa python -m benchmarks.programs.eyes     # another OpenGL in software
 
@@ -215,25 +216,39 @@ def measurements(scene: Scene) -> dict[str, list[float]]:
     }
 
 
-def models_of_gymnasium() -> list[str]:
-    """The models that Gymnasium has."""
-    found = importlib.util.find_spec("gymnasium")
-    if found is None or not found.submodule_search_locations:
-        raise SystemExit("Gymnasium is not installed: name MJCF files.")
-    return [str(file) for file in Path(found.submodule_search_locations[0]).glob("envs/mujoco/assets/*.xml")]
+#: models of packages, with their own patterns: those of robosuite are worlds, which its robots are put into
+_PACKAGES = {
+    "gymnasium": ("envs/mujoco/assets/*.xml",),
+    "dm_control": ("suite/*.xml",),
+    "gymnasium_robotics": ("envs/assets/fetch/*.xml", "envs/assets/hand/*.xml", "envs/assets/adroit_hand/adroit_*.xml"),
+    "robosuite": ("models/assets/arenas/*.xml", "models/assets/robots/*/robot.xml"),
+}
+
+
+def models_of_packages(names: list[str]) -> list[str]:
+    """The models that packages have."""
+    files: list[str] = []
+    for name in names:
+        found = importlib.util.find_spec(name)
+        if found is None or not found.submodule_search_locations:
+            raise SystemExit(f"{name} is not installed: install it, or name MJCF files.")
+        folder = Path(found.submodule_search_locations[0])
+        files += [str(file) for pattern in _PACKAGES[name] for file in folder.glob(pattern)]
+    return files
 
 
 def main() -> None:
     """Measure all scenes, and print the medians."""
     parser = argparse.ArgumentParser()
     parser.add_argument("files", nargs="*", help="MJCF files (default: those of Gymnasium)")
+    parser.add_argument("--packages", nargs="+", default=["gymnasium"], choices=list(_PACKAGES), help="whose models")
     parser.add_argument("--each", action="store_true", help="print each scene, too")
     given = parser.parse_args()
     why = why_no_opengl()
     print(f"mujoco.Renderer cannot be created, {why}" if why else f"mujoco.Renderer: {os.environ['MUJOCO_GL']}")
     total: dict[str, list[list[float]]] = {}
     grown = []
-    for file in sorted(given.files or models_of_gymnasium()):
+    for file in sorted(given.files or models_of_packages(given.packages)):
         try:
             scene = Scene(file, not why)
             found = measurements(scene)

@@ -140,6 +140,38 @@ def test_geoms_that_are_appended_to_the_scene_are_drawn() -> None:
     assert _picture(xml, prepare=add)[32, 32].tolist() == [255, 0, 0]
 
 
+def _lines(count: int, opacity: float, shadows: bool = True) -> Callable[[morse.Renderer], None]:
+    """Adds lines of 9 pixels along X, all at the same place, 1 m above the origin."""
+
+    def add(renderer: morse.Renderer) -> None:
+        scene = renderer.scene
+        scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
+        color = np.array([1, 1, 1, opacity], np.float32)
+        for _ in range(count):
+            geom = scene.geoms[scene.ngeom]
+            ends = np.array([-0.3, 0, 1.0]), np.array([0.3, 0, 1.0])
+            mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_LINE, np.zeros(3), np.zeros(3), np.zeros(9), color)
+            mujoco.mjv_connector(geom, mujoco.mjtGeom.mjGEOM_LINE, 9, *ends)
+            scene.ngeom += 1
+
+    return add
+
+
+@pytest.mark.parametrize("count", [1, 3, 20])
+def test_lines_that_overlap_add_up(count: int) -> None:
+    bright = _world("", visual='<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>')
+    code = _picture(bright, prepare=_lines(count, 0.05))[32, 32]
+    # translucent surfaces are drawn twice
+    assert code.tolist() == pytest.approx([255 * (1 - 0.95 ** (2 * count))] * 3, abs=2)
+
+
+def test_lines_cast_no_shadows() -> None:
+    light = '<light pos="0 .5 3" dir="0 0 -1" directional="true"/><geom type="plane" size="2 2 .1"/>'
+    shown = [_picture(_world(light), prepare=_lines(1, 1.0, shadows)) for shadows in (True, False)]
+    # the light of the plane is rounded in two parts, with shadows
+    np.testing.assert_allclose(*shown, atol=1)
+
+
 def test_skins_and_flexes_follow_their_bodies() -> None:
     flex = (
         '<flexcomp name="cloth" type="grid" count="5 5 1" spacing=".1 .1 .1" radius=".01" dim="2" mass="1" '

@@ -303,6 +303,8 @@ class Artist:
         """The shadow maps of lights."""
         maps: list[Any] = [None] * len(lights)
         casting = g["castshadow"] != 0 if "castshadow" in (g.dtype.names or ()) else np.ones(len(g), bool)
+        # lines are as wide as texels there
+        casting &= g["type"] != LINE
         if not scene.flags[_SHADOW] or not casting.any():
             return maps
         model = self._model
@@ -418,8 +420,11 @@ def _mirrored(box: Box, view: View) -> Box:
 _SOLIDS = (SPHERE, ELLIPSOID, CAPSULE, CYLINDER, BOX)
 _CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _EDGES = np.array([[n, n | bit] for bit in (1, 2, 4) for n in range(8) if not n & bit])
+_ONE_EDGE = np.array([[0, 1]])
 #: number of layers of translucent geoms, beyond which those of equal opacity do not show each other
 _MOST_LAYERS = 12
+#: the same of lines, which fill few pixels: the rays of range finders overlap where they begin
+_MOST_LINES = 32
 
 
 def _layers(
@@ -428,6 +433,8 @@ def _layers(
     """Geoms that are drawn together, the farthest first, and the pixels around them."""
     numbers = numbers[np.isfinite(g["pos"][numbers]).all(axis=1)]
     far = dict(zip(numbers.tolist(), ((g["pos"][numbers] - view.eye) * view.axes[2]).sum(axis=1), strict=True))
+    lines = g["type"] == LINE
+    many = {True: int(lines[numbers].sum()) > _MOST_LINES, False: int((~lines[numbers]).sum()) > _MOST_LAYERS}
     layers: list[tuple[list[int], list[tuple[int, int, int, int]]]] = []
     for number in sorted(numbers.tolist(), key=lambda n: -far[n]):
         box = _box_of(g[number], view)
@@ -436,7 +443,7 @@ def _layers(
         last = layers[-1] if layers else None
         if last is not None and opacity[last[0][0]] == opacity[number]:
             apart = all(box[0] >= one[2] or one[0] >= box[2] or box[1] >= one[3] or one[1] >= box[3] for one in last[1])
-            if apart or len(numbers) > _MOST_LAYERS:
+            if apart or many[bool(lines[number])]:
                 last[0].append(number)
                 last[1].append(box)
                 continue
@@ -451,18 +458,18 @@ def _box_of(geom: np.void, view: View) -> tuple[int, int, int, int] | None:
     """The pixels that a geom may fill: first column and row, and those after the last ones; None for none."""
     if geom["type"] == PLANE:
         return 0, 0, view.width, view.height
-    if geom["type"] in (SKIN, FLEX, LINE):
+    if geom["type"] in (SKIN, FLEX):
         return 0, 0, view.width, view.height
+    if geom["type"] == LINE:
+        ends = np.array([geom["pos"], geom["pos"] + geom["mat"].reshape(3, 3)[:, 2] * geom["size"][2]], np.float64)
+        return _around(
+            _before(view.near, ((ends[:, None] - view.eye) * view.axes).sum(axis=2), _ONE_EDGE), view, geom["size"][0]
+        )
     if geom["type"] in _SOLIDS:
         half = np.abs(geom["size"].astype(np.float64))
         half[2] += half[0] if geom["type"] == CAPSULE else 0.0
         corners = (geom["pos"] - view.eye) + (geom["mat"].reshape(1, 3, 3) * (_CORNERS * half)[:, None]).sum(axis=2)
-        points = _before(view.near, (corners[:, None] * view.axes).sum(axis=2))
-        if not len(points) or not np.isfinite(points).all():
-            return None
-        x, y, depths = points.T
-        columns, rows = view.fx * x / depths + view.cx, view.fy * y / depths + view.cy
-        return _pixels((columns.min(), columns.max()), (rows.min(), rows.max()), view)
+        return _around(_before(view.near, (corners[:, None] * view.axes).sum(axis=2), _EDGES), view)
     reach = float(_reach(np.array([geom]))[0]) * (2.0 if geom["type"] in (MESH, HFIELD) else 1.0)
     x, y, depth = ((geom["pos"] - view.eye) * view.axes).sum(axis=1)
     if not math.isfinite(depth + reach):
@@ -483,9 +490,18 @@ def _box_of(geom: np.void, view: View) -> tuple[int, int, int, int] | None:
     return _pixels(bounds[0], bounds[1], view)
 
 
-def _before(near: float, corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The corners of the part of a box (8, 3) that is before the near plane."""
-    one, other = corners[_EDGES[:, 0]], corners[_EDGES[:, 1]]
+def _around(points: NDArray[np.float64], view: View, width: float = 0.0) -> tuple[int, int, int, int] | None:
+    """The pixels around points in the axes of a camera (N, 3), and half a width, pixels; None for none."""
+    if not len(points) or not np.isfinite(points).all():
+        return None
+    x, y, depths = points.T
+    columns, rows, half = view.fx * x / depths + view.cx, view.fy * y / depths + view.cy, abs(width) / 2
+    return _pixels((columns.min() - half, columns.max() + half), (rows.min() - half, rows.max() + half), view)
+
+
+def _before(near: float, corners: NDArray[np.float64], edges: NDArray[np.intp]) -> NDArray[np.float64]:
+    """The corners of the part of a body with edges (E, 2) that is before the near plane."""
+    one, other = corners[edges[:, 0]], corners[edges[:, 1]]
     cut = (one[:, 2] < near) != (other[:, 2] < near)
     one, other = one[cut], other[cut]
     share = (near - one[:, 2:]) / (other[:, 2:] - one[:, 2:])
