@@ -210,6 +210,7 @@ def test_doctor_lists_plugins_and_what_each_needs(simulated_packages: Path):
     done = run("-m", "morse", "doctor", folder=simulated_packages.parent, path=simulated_packages)
     assert "moos (middleware, morse.plugins.moos:MIDDLEWARE): variables of a MOOS database" in done.stdout
     assert "needs pymoos2; " in done.stdout
+    assert "senses (ROS messages, morse.plugins.senses.ros:MESSAGES)\n    needs nothing else; ready" in done.stdout
     needy = done.stdout.partition("zenoh (middleware, lab.zenoh:MIDDLEWARE): routers of Zenoh\n")[2].splitlines()
     assert needy[:2] == [
         "    needs no_such_zenoh; no_such_zenoh is not installed",

@@ -24,6 +24,7 @@ _GROUPS = {
     "morse.components": "components",
     "morse.modifiers": "modifiers",
     "morse.kinds": "message kinds",
+    "morse.ros_messages": "ROS messages",
     "morse.assets": "models",
     "morse.services": "services",
     "morse.checks": "check of scenes",
