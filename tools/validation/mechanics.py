@@ -1,4 +1,4 @@
-"""Pendulum, slope, projectile, bouncing ball, raft and wheels."""
+"""Pendulum, slope, projectile, bodies that bounce, raft and wheels."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ TOP = """
 SLOPE = """
 <mujoco><worldbody><geom name="ground" type="plane" size="50 50 1" euler="0 {angle} 0"/></worldbody></mujoco>
 """
+_AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
 NO_DAMPING = "body.set_damping(0, 0)\n"
 
 
@@ -43,6 +44,8 @@ def figures() -> Iterator[Figure]:
     yield top("implicitfast", 5.0, "as above; of first order, as the default is: the error is proportional to the step")
     yield from raft()
     yield from wheels()
+    for half in (0.11, 0.14, 0.25):
+        yield skid(half)
 
 
 def pendulum(angle: float) -> Figure:
@@ -256,3 +259,44 @@ env = Environment('empty', fastmode=True)
     source = "r φ, with the radius of the model"
     yield Figure("Pioneer3DX, 0.5 m/s for 4 s", "path of its wheels, m", way, 0.0977 * sum(turned) / 2.0, 0.01, source)
     yield Figure("Pioneer3DX, 0.5 m/s for 4 s", "odometry, m", way, odometry, 2e-3, "its pose")
+
+
+def skid(half: float) -> Figure:
+    """The turn of a robot with four wheels that do not steer.
+
+    Args:
+        half: distance of the axles from the middle, m.
+    """
+
+    def link(name: str, mass: float, shape: str, pose: str) -> str:
+        moments = " ".join(f'i{axes}="{0.01 * mass if axes[0] == axes[1] else 0}"' for axes in _AXES)
+        return (
+            f'<link name="{name}"><inertial><mass value="{mass}"/><inertia {moments}/></inertial><collision>'
+            f"<origin {pose}/><geometry>{shape}</geometry></collision></link>"
+        )
+
+    text = link("base", 8.0, f'<box size="{2.0 * half} 0.18 0.08"/>', 'xyz="0 0 0.12"')
+    for x in (half, -half):
+        for y in (0.15, -0.15):
+            wheel = f"wheel_{'f' if x > 0.0 else 'r'}{'l' if y > 0.0 else 'r'}"
+            text += link(wheel, 0.5, '<cylinder radius="0.1" length="0.06"/>', f'rpy="{math.pi / 2.0} 0 0"')
+            text += f'<joint name="{wheel}_joint" type="continuous"><parent link="base"/><child link="{wheel}"/>'
+            text += f'<origin xyz="{x} {y} 0.1"/><axis xyz="0 1 0"/></joint>'
+    script = """
+robot = Robot('{folder}/skid.urdf')
+motion = MotionVWDiff()
+robot.append(motion)
+pose = Pose()
+robot.append(pose)
+env = Environment('empty', fastmode=True)
+"""
+    with scene(script, {"skid.urdf": f'<robot name="skid">{text}</robot>'}) as sim:
+        sim.step(60)
+        start = sim.robot.pose.get()["yaw"]
+        sim.robot.motion.publish({"v": 0.0, "w": 0.5})
+        sim.step(240)
+        turned = sim.robot.pose.get()["yaw"] - start
+    return Figure(
+        f"skid steering, wheels {2.0 * half:g} m apart along and 0.3 m across", "turn in 4 s at 0.5 rad/s, rad", 2.0,
+        turned, 0.08, "balance of Coulomb friction (Mandow et al., IROS 2007)",
+    )  # fmt: skip
