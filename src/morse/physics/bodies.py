@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.model.layout import Slot
+    from morse.physics.objects.object_world import Posed
     from morse.physics.state.engine_state import EngineState
     from morse.scene import CollisionShape, Node
 
@@ -70,23 +71,30 @@ class KinematicBodies:
         ValueError: one of them is no such body.
     """
 
-    def __init__(self, state: EngineState, indices: Sequence[int]) -> None:
-        for index in indices:
-            frame = state.slots[index].frame
-            if frame.node.body.type is not PhysicsType.KINEMATIC:
-                raise ValueError(
-                    f"'{frame.node.name}' is not a kinematic body: its physics type is {frame.node.body.type}"
-                )
-        self._state, self._indices = state, np.array(indices, dtype=np.intp)
+    def __init__(self, state: EngineState, objects: Sequence[Posed]) -> None:
+        for obj in objects:
+            kind = obj.node.body.type
+            if kind is not PhysicsType.KINEMATIC:
+                raise ValueError(f"'{obj.node.name}' is not a kinematic body: its physics type is {kind}")
+        self._state, self._objects = state, objects
+        self._take()
+
+    def _take(self) -> None:
+        """Look up the places of the bodies, which change when objects are added or removed."""
+        state = self._state
+        for obj in self._objects:
+            if obj.node not in state.slot_of:
+                raise LookupError(f"'{obj.node.name}' has been removed from the world")
+        self._model, indices = state.model, [obj.slot for obj in self._objects]
+        self._indices = np.array(indices, dtype=np.intp)
         self._rows = [row for row, index in enumerate(indices) if state.slots[index].mocap >= 0]
         self._mocap = np.array([state.slots[indices[row]].mocap for row in self._rows], dtype=np.intp)
-        self._model = state.model
 
     def place(self, positions: NDArray[np.float64], quaternions: NDArray[np.float64]) -> None:
         """See `morse.core.world.KinematicBodies`."""
         state, count = self._state, len(self._indices)
-        if state.model is not self._model:  # objects were added or removed
-            raise RuntimeError("the bodies have changed: ask the world for them again")
+        if state.model is not self._model:
+            self._take()
         p, q = np.asarray(positions, dtype=np.float64), np.asarray(quaternions, dtype=np.float64)
         if p.shape != (count, 3) or q.shape != (count, 4):
             raise ValueError(f"expected positions ({count}, 3) and quaternions ({count}, 4), got {p.shape}, {q.shape}")

@@ -394,7 +394,7 @@ class World(RayWorld):
 
     def kinematic_bodies(self, objects: Sequence[Posed]) -> KinematicBodies:
         """Create what moves bodies of the type ``KINEMATIC`` by one call."""
-        return KinematicBodies(self, [obj.slot for obj in objects])
+        return KinematicBodies(self, list(objects))
 
     def snapshots(self, objects: Sequence[Posed]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""

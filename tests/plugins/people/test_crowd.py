@@ -324,3 +324,16 @@ Environment("empty")
         assert closest > 0.35
         assert sim.left.data["positions"][0, 0] > 3.0
         assert sim.right.data["positions"][0, 0] < -3.0
+
+
+def test_a_crowd_goes_on_when_objects_come_and_go(scene):
+    with morse.load(scene) as sim:
+        sim.step(30)
+        sim.delete("robot")
+        sim.step(30)
+        world = sim.context.world
+        world.remove([world.objects_by_name["wall"]])
+        before = sim.people.data["positions"]
+        sim.step(60)
+        assert sim.failures == ()
+        assert np.abs(sim.people.data["positions"] - before).max() > 0.5

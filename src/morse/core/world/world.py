@@ -406,7 +406,7 @@ class KinematicBodies(Protocol):
 
         Raises:
             ValueError: an array has another shape, or a value is not finite or too large.
-            RuntimeError: objects of the world were added or removed since `World.kinematic_bodies`.
+            LookupError: one of the bodies was removed from the world.
         """
 
 

@@ -6,11 +6,8 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from morse.builder.components.robot import Robot
 from morse.builder.errors import checks
-from morse.plugins.people.figures import person as figure
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -57,6 +54,11 @@ class Crowd(Robot):
         wheelchairs: float = 0.0,
         groups: float = 0.0,
     ) -> None:
+        # `from morse.builder import *` loads no numpy
+        import numpy as np
+
+        from morse.plugins.people.figures import person as figure
+
         number = checks.integer(count, "Crowd(count)", minimum=1)
         if number > _MOST:
             raise ValueError(f"Crowd(count) takes at most {_MOST} people, got {number}")
