@@ -130,10 +130,10 @@ def film(weights, path, begin=60, frames=60):
         seen, *_ = envs.step(learn_to_drive.scaled(actions(weights, seen), low, high))
         if number >= begin and number % 2 == 0:
             x = task.many[0].ant.pose.get()["x"]
-            pictures.append(task.many[0].picture(400, 250, location=[x + 1.2, -2.6, 1.4], rotation=[1.15, 0.0, 0.42]))
+            pictures.append(task.many[0].picture(600, 375, location=[x + 1.2, -2.6, 1.4], rotation=[1.15, 0.0, 0.42]))
     envs.close()
     first, *others = [Image.fromarray(one) for one in pictures]
-    first.save(path, save_all=True, append_images=others, duration=133, loop=0, quality=60, method=6)
+    first.save(path, save_all=True, append_images=others, duration=133, loop=0, quality=45, method=6)
 
 
 def main(arguments=None):
