@@ -20,6 +20,12 @@ def test_a_submarine_keeps_its_height():
     assert way == pytest.approx(passed, rel=0.01)
 
 
+def test_a_robot_dodges_a_ball():
+    main = runpy.run_path(str(FOLDER / "dodge_a_ball.py"))["main"]
+    assert main(dodges=False) < 0.3
+    assert main() > 0.6
+
+
 def test_a_robot_finds_a_leak():
     distance, seconds = run("find_plume.py")
     assert distance < 1.5
