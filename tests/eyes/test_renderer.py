@@ -166,10 +166,10 @@ def test_lines_that_overlap_add_up(count: int) -> None:
 
 
 def test_lines_cast_no_shadows() -> None:
-    light = '<light pos="0 .5 3" dir="0 0 -1" directional="true"/><geom type="plane" size="2 2 .1"/>'
+    light = '<light pos="0 -1 3" dir="0 .5 -1" directional="true"/><geom type="plane" size="2 2 .1"/>'
     shown = [_picture(_world(light), prepare=_lines(1, 1.0, shadows)) for shadows in (True, False)]
-    # the light of the plane is rounded in two parts, with shadows
-    np.testing.assert_allclose(*shown, atol=1)
+    # with shadows, light is rounded in two parts; a shadow is 81 codes darker
+    np.testing.assert_allclose(*shown, atol=4)
 
 
 def test_skins_and_flexes_follow_their_bodies() -> None:
