@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -514,7 +515,7 @@ def test_a_batch_has_the_pictures_of_its_states() -> None:
             batch.render(states, ["x"])
     with pytest.raises(RuntimeError, match="after close"):
         batch.render(states)
-    with pytest.raises(ValueError, match="at least one"):
+    with pytest.raises(ValueError, match="at least 1, got 0"):
         morse.Renderer.batch(model, 0)
 
 
@@ -752,3 +753,34 @@ def test_translucent_geoms_of_any_size_leave_the_others(size: float, kind: str) 
         '<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>',
     )
     assert _picture(ball, prepare=add)[32, 32, 1] > 50
+
+
+_KNOWN = mujoco.MjModel.from_xml_string(_world('<geom size=".1"/>'))
+
+
+@pytest.mark.parametrize(
+    ("ask", "kind", "told"),
+    [
+        (lambda r, d: morse.Renderer(None), TypeError, "Expected a model, mujoco.MjModel, got NoneType"),  # type: ignore[arg-type]
+        (lambda r, d: morse.Rays("ant.xml"), TypeError, "got str; of a file: mujoco.MjModel.from_xml_path"),  # type: ignore[arg-type]
+        (lambda r, d: morse.sensors_on(None), TypeError, "Expected a model"),
+        (lambda r, d: morse.Renderer(_KNOWN, 8, 8, -1), ValueError, "max_geom is at least 0, got -1"),
+        (lambda r, d: morse.Renderer(_KNOWN, 8, 8, 2.5), TypeError, "max_geom is an integer, got 2.5"),  # type: ignore[arg-type]
+        (lambda r, d: r.update_scene(d, 0.5), TypeError, "A camera is a number, a name or a mujoco.MjvCamera, got 0.5"),
+        (lambda r, d: r.update_scene(d, None), TypeError, "got None"),
+        (lambda r, d: r.update_scene(d, 0, "all"), TypeError, "Expected an option, mujoco.MjvOption, got str"),
+        (lambda r, d: r.render(out=[0]), TypeError, "Expected an array, out, got list"),
+        (lambda r, d: morse.Renderer.batch(_KNOWN, 2.5), TypeError, "is an integer, got 2.5"),  # type: ignore[arg-type]
+        (lambda r, d: morse.Renderer.batch(_KNOWN, 0), ValueError, "is at least 1, got 0"),
+        (lambda r, d: morse.Rays(_KNOWN, "abcdef"), ValueError, "6 groups of geoms, hit or not, got 'abcdef'"),  # type: ignore[arg-type]
+        (lambda r, d: morse.Rays(_KNOWN).cast(d, (0, 0, 1), [[0, 0, 1]], limit="far"), TypeError, "got 'far'"),  # type: ignore[arg-type]
+        (lambda r, d: morse.Rays(_KNOWN).cast(d, (0, 0, 1), [[0, 0, 1]], bodyexclude=0.5), TypeError, "got 0.5"),  # type: ignore[arg-type]
+    ],
+)
+def test_things_of_other_types_are_told(ask: Callable[[Any, Any], object], kind: type[Exception], told: str) -> None:
+    data = mujoco.MjData(_KNOWN)
+    mujoco.mj_forward(_KNOWN, data)
+    with morse.Renderer(_KNOWN, 8, 8) as renderer:
+        renderer.update_scene(data)
+        with pytest.raises(kind, match=re.escape(told)):
+            ask(renderer, data)

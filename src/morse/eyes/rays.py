@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import mujoco
 import numpy as np
 
-from morse.eyes.renderer import check_state
+from morse.eyes.renderer import check_model, check_state
 from morse.eyes.shapes import height_field
 from morse.kernel.rays import (
     BOX,
@@ -71,14 +71,16 @@ class Rays:
         flg_static: bool = True,
         whole_trees: bool = False,
     ) -> None:
+        check_model(model)
         self._model = model
         bodies = (model.body_rootid if whole_trees else np.arange(model.nbody))[model.geom_bodyid]
         use = np.where(model.geom_matid >= 0, _alpha(model)[model.geom_matid], model.geom_rgba[:, 3]) > 0
         use |= (model.geom_matid >= 0) & (model.geom_rgba[:, 3] > 0) & ~_plain(model)
         if geomgroup is not None:
-            if len(geomgroup) != mujoco.mjNGROUP:
-                raise ValueError(f"There are {mujoco.mjNGROUP} groups of geoms, got {len(geomgroup)}.")
-            use &= np.array(geomgroup, bool)[np.clip(model.geom_group, 0, mujoco.mjNGROUP - 1)]
+            groups = np.asarray(geomgroup)
+            if groups.shape != (mujoco.mjNGROUP,) or groups.dtype.kind not in "biu":
+                raise ValueError(f"There are {mujoco.mjNGROUP} groups of geoms, hit or not, got {geomgroup!r}.")
+            use &= groups.astype(bool)[np.clip(model.geom_group, 0, mujoco.mjNGROUP - 1)]
         if not flg_static:
             use &= model.body_weldid[model.geom_bodyid] > 0
         is_plane = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
@@ -137,8 +139,12 @@ class Rays:
         states = list(data) if isinstance(data, Sequence) else [data]
         for state in states:
             check_state(self._model, state)
+        if isinstance(limit, bool) or not isinstance(limit, (int, float, np.number)):
+            raise TypeError(f"The limit of rays is a number, m, got {limit!r}.")
         if not limit > 0:
             raise ValueError(f"The limit of rays is greater than 0 m, got {limit!r}.")
+        if isinstance(bodyexclude, bool) or not isinstance(bodyexclude, (int, np.integer)):
+            raise TypeError(f"A body is a number, got {bodyexclude!r}.")
         if not -1 <= bodyexclude < self._model.nbody:
             raise ValueError(f"The body {bodyexclude!r} is out of range [-1, {self._model.nbody}).")
         ways = np.ascontiguousarray(directions, np.float64)

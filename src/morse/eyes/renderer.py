@@ -50,6 +50,9 @@ class Renderer:
     ) -> None:
         del font_scale
         self._artist: Artist | None = None
+        check_model(model)
+        if max_geom is not None:
+            check_count("max_geom", max_geom, 0)
         buffer = model.vis.global_
         for name, size, most in (("width", width, buffer.offwidth), ("height", height, buffer.offheight)):
             if not isinstance(size, (int, np.integer)) or isinstance(size, bool):
@@ -143,6 +146,8 @@ class Renderer:
         """
         self._open("update_scene")
         check_state(self._model, data)
+        if scene_option is not None and not isinstance(scene_option, mujoco.MjvOption):
+            raise TypeError(f"Expected an option, mujoco.MjvOption, got {type(scene_option).__name__}.")
         if not isinstance(camera, mujoco.MjvCamera):
             camera = _camera_of(self._model, camera)
         with self._lock:
@@ -183,6 +188,8 @@ class Renderer:
         """
         artist = self._open("render")
         shape = (self._height, self._width, *_KINDS[self._mode][0])
+        if out is not None and not isinstance(out, np.ndarray):
+            raise TypeError(f"Expected an array, out, got {type(out).__name__}.")
         if out is not None and out.shape != shape:
             raise ValueError(f"Expected out.shape == {shape}. Got out.shape={out.shape} instead.")
         with self._lock:
@@ -247,8 +254,8 @@ class BatchRenderer:
     """
 
     def __init__(self, model: mujoco.MjModel, count: int, make: Callable[[], Renderer]) -> None:
-        if count < 1:
-            raise ValueError(f"A batch has at least one state, got {count}.")
+        check_model(model)
+        check_count("count, the number of states,", count, 1)
         self._model, self._count = model, count
         self._renderers = [make() for _ in range(min(threads.count(), count))]
         self._states = [mujoco.MjData(model) for _ in self._renderers]
@@ -366,6 +373,31 @@ def _usual_flags() -> NDArray[np.bool_]:
     return np.array(mujoco.MjvOption().flags, np.bool_)
 
 
+def check_model(model: object) -> None:
+    """Check that something is a model.
+
+    Raises:
+        TypeError: it is no model.
+    """
+    if not isinstance(model, mujoco.MjModel):
+        raise TypeError(
+            f"Expected a model, mujoco.MjModel, got {type(model).__name__}; of a file: mujoco.MjModel.from_xml_path."
+        )
+
+
+def check_count(name: str, number: object, least: int) -> None:
+    """Check a number of something.
+
+    Raises:
+        TypeError: it is no integer.
+        ValueError: it is less than the least one.
+    """
+    if not isinstance(number, (int, np.integer)) or isinstance(number, bool):
+        raise TypeError(f"{name} is an integer, got {number!r}.")
+    if number < least:
+        raise ValueError(f"{name} is at least {least}, got {number}.")
+
+
 def check_state(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Check that a state is one of a model, or of one of the same sizes: MuJoCo would read memory of others.
 
@@ -395,6 +427,8 @@ def three_geoms() -> mujoco.MjvScene:
 
 def _camera_of(model: mujoco.MjModel, camera: int | str) -> mujoco.MjvCamera:
     number = camera
+    if isinstance(number, bool) or not isinstance(number, (int, str, np.integer)):
+        raise TypeError(f"A camera is a number, a name or a mujoco.MjvCamera, got {camera!r}.")
     if isinstance(number, str):
         number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA.value, number)
         if number == -1:

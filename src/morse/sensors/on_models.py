@@ -21,7 +21,7 @@ from morse.core.reports.quoting import nearest, shown
 from morse.core.validation.fields import checked_value
 from morse.eyes.frames import GEOM, Frame, bodies_of_geoms
 from morse.eyes.rays import Rays
-from morse.eyes.renderer import Renderer
+from morse.eyes.renderer import Renderer, check_model
 from morse.helpers.fans import fan
 from morse.mathutils.portable import matmul
 from morse.scene.component import NoiseModel
@@ -75,6 +75,7 @@ class ModelSensors:
     """
 
     def __init__(self, model: Any, *, seed: int = 0) -> None:
+        check_model(model)
         self._model, self._seed = model, seed
         self._drawn: dict[str, int] = {}
 
