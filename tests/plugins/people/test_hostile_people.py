@@ -211,3 +211,26 @@ def test_a_damaged_state_is_refused(tmp_path, spoil):
             crowd.set_state(state)
         assert sim.state_hash() == before
         sim.step(3)
+
+
+@pytest.mark.parametrize("name", ["Plan", "Heights", "Attention"])
+@pytest.mark.parametrize("text", ["[", "[[[]]]", "7", "{}" * 1000])
+def test_a_client_that_changes_what_the_script_wrote_stops_nobody(tmp_path, name, text):
+    world = "robot = FakeRobot('robot')\ncube = Cube('cube')"
+    with morse.load(_scene(tmp_path, BOX + "\ncrowd.goals([(6, 8)])", world=world)) as sim:
+        sim.people.set_property(name, text).result()
+        sim.step(10)
+        # robots are looked at again
+        sim.delete("robot")
+        sim.step(30)
+        assert sim.failures == ()
+        assert np.linalg.norm(sim.people.data["velocities"], axis=1).max() > 0.3
+
+
+@pytest.mark.parametrize(
+    "properties",
+    ["Plan='['", "Plan='[]'", "Heights='[1.7]'", "Heights='{}'", "Heights='['"],
+)
+def test_a_script_that_writes_these_properties_itself_gets_an_error(tmp_path, properties):
+    with pytest.raises(Exception, match=r"people.*(Plan|Heights|Attention|heights)"):
+        morse.load(_scene(tmp_path, f"{BOX}\ncrowd.properties({properties})"))

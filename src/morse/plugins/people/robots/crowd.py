@@ -60,6 +60,21 @@ class _Mover(NamedTuple):
     seen: NDArray[np.bool_]
 
 
+def _json(crowd: Crowd, name: str, text: str, kind: type) -> Any:
+    """Return the value of a property that the script has written.
+
+    Raises:
+        MorseError: it is no JSON, or of another kind.
+    """
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise MorseError(f"{crowd.name()}: the property {name} is no JSON: {error}") from None
+    if not isinstance(value, kind):
+        raise MorseError(f"{crowd.name()}: the property {name} is no {kind.__name__}")
+    return value
+
+
 class Crowd(Robot):
     """People who walk to their goals, give way to each other and to robots, and are seen by sensors.
 
@@ -137,8 +152,15 @@ class Crowd(Robot):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        heights = np.array(json.loads(self._heights), dtype=np.float64)
+        # read once: clients may change properties while the simulation runs
+        heights = np.array(_json(self, "Heights", self._heights, list), dtype=np.float64)
+        self._shares = {
+            str(name): float(share) for name, share in _json(self, "Attention", self._attention, dict).items()
+        }
         self._count = count = len(heights)
+        trunks = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
+        if len(trunks) != count:
+            raise MorseError(f"{self.name()} has {len(trunks)} bodies and {count} heights: scripts write both")
         self._seconds = 1.0 / self.clock.frequency
         self._floor = float(obj.world_pose()[0][2])
         self._law = Orca() if self._model == "orca" else SocialForce()
@@ -164,7 +186,6 @@ class Crowd(Robot):
         heading[(heading == 0.0).all(axis=1)] = (1.0, 0.0)
         draw = self._random.random(count)
         self.gait = Gait.at(self.walkers.position, heading, heights, rides, np.floor(8.0 * draw))
-        trunks = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
         legs = [[node.children[side] for node in trunks if node.children] for side in (0, 1)]
         self._bodies = [self.context.world.object_of(node) for node in (*trunks, *legs[0], *legs[1])]
         self._rows = self.context.world.kinematic_bodies(self._bodies)
@@ -174,7 +195,7 @@ class Crowd(Robot):
     # -- the plan --------------------------------------------------------------------------
 
     def _read_plan(self) -> list[dict[str, Any]]:
-        plan = json.loads(self._plan)
+        plan = _json(self, "Plan", self._plan, dict)
         flows = [dict(flow) for flow in plan.get("flows", ())]
         if not flows:
             raise MorseError(f"{self.name()}: nobody knows where to begin: write crowd.start(area)")
@@ -449,7 +470,7 @@ class Crowd(Robot):
         if self._movers is None or self._arrangement != len(self.context.world.objects_by_name):
             self._arrangement = len(self.context.world.objects_by_name)
             self._movers, self._others = [], []
-            shares = json.loads(self._attention)
+            shares = self._shares
             for name in shares:
                 if name not in self.context.robots:
                     hint = nearest_name(name, sorted(self.context.robots))
@@ -461,7 +482,7 @@ class Crowd(Robot):
                     if robot is not self:
                         self._others.append(robot)
                 else:
-                    roots[robot.bge_object] = float(shares.get(name, 1.0))
+                    roots[robot.bge_object] = shares.get(name, 1.0)
             nodes = {body.node for body in roots}
             for node in self.context.scene.roots:
                 if node not in nodes and node.body.moves and (body := self.context.world.find_object(node)) is not None:
