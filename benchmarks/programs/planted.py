@@ -292,7 +292,7 @@ def slow_reader(
     return _cross(sim, (x, y, heading, walk), speed, 5.0, stops)
 
 
-@_fault("both wait for each other if they arrive at the same time: a race", 0.002, first=(2.0, 6.0), second=(2.0, 6.0),
+@_fault("who arrives a little later does not wait: the message is late, a race", 0.002, first=(2.0, 6.0), second=(2.0, 6.0),
         speed=(0.4, 1.2), walk=(0.4, 1.2), latency=(0.0, 0.5))  # fmt: skip
 def race(
     sim: Any, first: float = 3.0, second: float = 4.5, speed: float = 1.0, walk: float = 1.0, latency: float = 0.1,
@@ -374,12 +374,12 @@ def windup(
     return -_line(sim, y, speed, 10.0, steer)
 
 
-@_fault("a fence of |x| + |y| instead of the greater one: corners are far out", -2.805, heading=(0.0, 1.5707),
+@_fault("a square fence instead of a round one: its corners are far out", -2.805, heading=(0.0, 1.5707),
         speed=(0.3, 1.0), x=(0.0, 1.5), y=(0.0, 1.5))  # fmt: skip
 def fence(
     sim: Any, heading: float = 0.0, speed: float = 0.6, x: float = 0.0, y: float = 0.0, mended: bool = False
 ) -> float:
-    """The field reaches to 2 m; what is measured is the diagonal, from which robots at corners are out."""
+    """The field is a circle of 2 m; returns how far out the robot has been, m."""
     sim.robot.place([x, y, heading])
     out = 0.0
     for _, px, py, _ in _poses(sim, 6.0):

@@ -17,8 +17,11 @@ CASES = {
     "circling": {"x": 0.5, "y": 1.0, "speed": 1.12, "yaw": -0.2},
     "ambiguous": {"ahead": 5.01},
     "linear_brake": {"speed": 1.9921116314557974, "grip": 0.5},
-    "byte": {"speed": 2.0, "grip": 0.47},
+    "byte": {"speed": 2.0, "ahead": 8.0, "grip": 0.4},
     "frame": {"x": 2.0, "y": -0.33, "yaw": 0.97},
+    "counter": {"pause": 10.0, "speed": 0.99},
+    "late_gain": {"y": 0.98, "speed": 0.99, "latency": 0.551, "gain": 1.5},
+    "windup": {"y": 0.79, "slip": 2.51, "gain": 0.89},
     "slow_reader": {"x": 1.55, "y": -0.1, "walk": 0.85},
 }
 
