@@ -292,8 +292,8 @@ def slow_reader(
     return _cross(sim, (x, y, heading, walk), speed, 5.0, stops)
 
 
-@_fault("who arrives a little later does not wait: the message is late, a race", 0.002, first=(2.0, 6.0), second=(2.0, 6.0),
-        speed=(0.4, 1.2), walk=(0.4, 1.2), latency=(0.0, 0.5))  # fmt: skip
+@_fault("who arrives a little later does not wait: the message is late, a race", 0.002, first=(2.0, 6.0),
+        second=(2.0, 6.0), speed=(0.4, 1.2), walk=(0.4, 1.2), latency=(0.0, 0.5))  # fmt: skip
 def race(
     sim: Any, first: float = 3.0, second: float = 4.5, speed: float = 1.0, walk: float = 1.0, latency: float = 0.1,
     mended: bool = False,
