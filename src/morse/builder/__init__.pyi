@@ -155,6 +155,8 @@ from morse.core.exceptions import MorseServiceError as MorseServiceError
 from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
 from morse.core.exceptions import NoComponentError as NoComponentError
 from morse.core.exceptions import UnexportableError as UnexportableError
+from morse.plugins.facilities.builder import Door as Door
+from morse.plugins.facilities.builder import Lift as Lift
 from morse.plugins.people.builder import Crowd as Crowd
 from morse.scene.scene import TimeStrategies as TimeStrategies
 from typing import Any, Literal
@@ -209,6 +211,7 @@ __all__ = [
     "DepthCameraRotationZ",
     "DepthVideoCamera",
     "Destination",
+    "Door",
     "Drag",
     "EchoSounder",
     "Empty",
@@ -243,6 +246,7 @@ __all__ = [
     "LaserScanner",
     "LaserSensorWithArc",
     "LedArray",
+    "Lift",
     "LiftDrag",
     "Light",
     "LineSensor",

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
     from morse.core.world import Body
+    from morse.scene import Node
 
     Floats = NDArray[np.float64]
 
@@ -476,21 +477,29 @@ class Crowd(Robot):
                     hint = nearest_name(name, sorted(self.context.robots))
                     text = f"{self.name()}.avoids: there is no robot '{name:.80}'{hint}"
                     self.context.complaints.warn(text, text)
-            roots = {}
+            roots: dict[Body, float] = {}
             for name, robot in self.context.robots.items():
                 if isinstance(robot, Crowd):
                     if robot is not self:
                         self._others.append(robot)
                 else:
-                    roots[robot.bge_object] = shares.get(name, 1.0)
+                    share, body = shares.get(name, 1.0), robot.bge_object
+                    # what only owns others, such as the panels of a door, is nothing of its own
+                    panels = [node for node in body.node.walk() if _is_placed(node)]
+                    bodies = [self.context.world.object_of(node) for node in panels] if panels else [body]
+                    roots |= dict.fromkeys(bodies, share)
             nodes = {body.node for body in roots}
             for node in self.context.scene.roots:
-                if node not in nodes and node.body.moves and (body := self.context.world.find_object(node)) is not None:
-                    roots[body] = 1.0
+                if (
+                    node not in nodes
+                    and node.body.moves
+                    and (found := self.context.world.find_object(node)) is not None
+                ):
+                    roots[found] = 1.0
             for body, share in roots.items():
-                found = footprint(body.node, [node for node in body.node.walk() if node.body.collides])
-                if found is not None:
-                    self._movers.append(_Mover(body, found, self.alert < share))
+                outline = footprint(body.node, [node for node in body.node.walk() if node.body.collides])
+                if outline is not None:
+                    self._movers.append(_Mover(body, outline, self.alert < share))
         return self._movers
 
     _arrangement = -1
@@ -799,3 +808,8 @@ class Crowd(Robot):
             and isinstance(lag, float)
             and abs(lag) < 10.0
         )
+
+
+def _is_placed(node: Node) -> bool:
+    """Whether explicit calls move a body that others touch."""
+    return node.body.type is PhysicsType.KINEMATIC and node.body.collides

@@ -1,0 +1,1 @@
+"""Doors and lifts in a run."""
