@@ -33,7 +33,8 @@ def panel(name: str, size: Sequence[float], color: Sequence[float]) -> Node:
     half = np.array(size, dtype=np.float64) / 2.0
     red, green, blue = color
     material = Material(f"{name} paint", color=(red, green, blue, 1.0), roughness=0.5)
-    mesh = Mesh(name, (box.vertices * half).astype(np.float32), box.triangles, box.material_index, materials=(material,))
+    corners = (box.vertices * half).astype(np.float32)
+    mesh = Mesh(name, corners, box.triangles, box.material_index, materials=(material,))
     node = Node(name, NodeKind.MESH, mesh=mesh, body=BodySettings(type=PhysicsType.KINEMATIC))
     node.shapes = [CollisionShape(ShapeKind.BOX, tuple(half.tolist()))]
     return node
