@@ -174,6 +174,20 @@ def test_a_page_that_is_loaded_again_reads_the_log_without_news(running, open_pa
     assert page.evaluate("document.querySelectorAll('.log p').length") == 1
 
 
+def test_a_page_that_the_browser_keeps_for_the_back_button_does_not_drive_on(served, open_page) -> None:
+    server, url = served
+    scene, moving = playground()
+    server.set_scene(scene, moving)
+    page = open_page(url)
+    wait_until(lambda: server.watched)
+    # browsers for tests keep no pages: the events are those of a browser that does
+    page.evaluate("void dispatchEvent(new PageTransitionEvent('pagehide', { persisted: true }))")
+    wait_until(lambda: not server.watched, "the page has left")
+    with page.expect_navigation():
+        page.evaluate("void dispatchEvent(new PageTransitionEvent('pageshow', { persisted: true }))")
+    wait_until(lambda: page.evaluate("Boolean(window.morse?.seat.drives.value)"), "it drives again")
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (640, 360)])
 def test_small_screens_scroll_nowhere_and_keep_the_view(running, open_page, width, height) -> None:
     _, url = running

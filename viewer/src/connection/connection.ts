@@ -38,6 +38,10 @@ export class Connection {
     this.order({ kind: "open", url: url.href, page: location.href });
     setInterval(() => this.pulse(), 250);
     this.pulse();
+    if (tape) return;
+    // a browser keeps a page that one has left, with its socket, and may show it again: it would drive on, unseen
+    addEventListener("pagehide", () => this.close());
+    addEventListener("pageshow", ({ persisted }) => persisted && location.reload());
   }
 
   /** Close permanently: this page shows nothing any more. */
