@@ -407,7 +407,7 @@ def test_a_modifier_that_is_not_there_is_said_with_those_that_are(load: Callable
         load(HEAD + "pose = Pose()\npose.alter('NEDD')\n" + END)
     with pytest.raises(ScriptError, match=r"no modifier 'Wobble' for Pose.*NED"):
         load(HEAD + "pose = Pose()\npose.alter('Wobble')\n" + END)
-    with pytest.raises(ScriptError, match="the modifier 'OdometryNoise' is not for Pose"):
+    with pytest.raises(ScriptError, match="the modifier 'OdometryNoise' is for Odometry, not for Pose"):
         load(HEAD + "pose = Pose()\npose.alter('OdometryNoise')\n" + END)
 
 

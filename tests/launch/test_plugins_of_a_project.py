@@ -99,6 +99,59 @@ def test_modifiers_and_middlewares_of_a_project_have_names(tmp_path: Path, socke
         assert not managers or managers[0].sent[-1]["x"] == pytest.approx(2.0)
 
 
+PLACES = {
+    "a module": ("lab.changes", "changes.py"),
+    "a class": ("lab.changes:Halved", "changes.py"),
+    "a class in a package": ("lab.changes:Halved", "changes/halved.py"),
+    "the file of a package": ("lab.changes", "changes/__init__.py"),
+    "the package itself": ("lab", "__init__.py"),
+}
+
+
+@pytest.mark.parametrize("where", PLACES)
+def test_an_entry_point_names_a_package_a_module_or_a_class(
+    where: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    place, file = PLACES[where]
+    script = project(tmp_path, declared=PROJECT.replace('"lab.changes"', f'"{place}"'))
+    (tmp_path / "src/lab/changes/halved.py").unlink()
+    (tmp_path / "src/lab/changes").rmdir()
+    (tmp_path / "src/lab" / file).parent.mkdir(exist_ok=True)
+    (tmp_path / "src/lab" / file).write_text(HALVED.format(factor=0.25))
+    with caplog.at_level(logging.WARNING), morse.load(script) as simulation:
+        simulation.step(2)
+        assert simulation.robot.pose.data["x"] == pytest.approx(1.0)
+    assert "left out" not in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("place", "old", "new", "words"),
+    [
+        ("lab.chances", "", "", "no package or module 'lab.chances'"),
+        ("lab.changes:Quartered", "", "", "it has no class Quartered with _names"),
+        ("lab.changes", '_names = ("Halved",)', "", "it has no class with _names"),
+        ("lab.changes", '("Halved",)', '"Halved"', "_names of Halved is 'Halved', expected a tuple of names"),
+        ("lab.changes", '("Pose",)', '"Pose"', "_components of Halved is 'Pose', expected a tuple of names"),
+    ],
+)
+def test_an_entry_point_without_a_modifier_is_named(
+    place: str, old: str, new: str, words: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    script = project(tmp_path, declared=PROJECT.replace('"lab.changes"', f'"{place}"'))
+    (tmp_path / "src/lab/changes/halved.py").write_text(HALVED.format(factor=0.5).replace(old, new))
+    with caplog.at_level(logging.WARNING), pytest.raises(ScriptError, match="no modifier 'Halved'"):
+        morse.load(script)
+    assert words in caplog.text
+    assert f"the modifiers of {place} are left out" in caplog.text
+
+
+def test_a_modifier_for_another_component_says_for_which(tmp_path: Path) -> None:
+    script = project(tmp_path)
+    (tmp_path / "src/lab/changes/halved.py").write_text(HALVED.format(factor=0.5).replace('"Pose"', '"Poze"'))
+    with pytest.raises(ScriptError, match="the modifier 'Halved' is for Poze, not for Pose"):
+        morse.load(script)
+
+
 def test_projects_with_packages_of_one_name_do_not_meet(tmp_path: Path) -> None:
     for folder, factor in (("a", 0.5), ("b", 0.25)):
         with morse.load(project(tmp_path / folder, factor)) as simulation:

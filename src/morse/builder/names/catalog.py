@@ -75,12 +75,20 @@ def classes(package: str) -> Iterator[tuple[str, Definition]]:
 
 
 def files(package: str) -> Iterator[tuple[str, Path]]:
-    """The public modules of a package and their files; empty if the package does not exist."""
+    """The file of a package, or of a module without others in it, and its public modules and their files.
+
+    Empty if the package does not exist.
+    """
     try:
         spec = find_spec(package)
     except ModuleNotFoundError:
         spec = None
-    for info in pkgutil.iter_modules(spec.submodule_search_locations if spec else ()):
+    if spec is None:
+        return
+    if spec.has_location and spec.origin is not None and spec.origin.endswith(".py"):
+        yield package, Path(spec.origin)
+    # without folders, `iter_modules` would go through all modules of the import path
+    for info in pkgutil.iter_modules(spec.submodule_search_locations or ()):
         if info.ispkg or info.name.startswith("_"):
             continue
         finder = info.module_finder
@@ -173,26 +181,44 @@ def _text(defaults: dict[str, object], doc: str) -> str:
 def modifiers() -> tuple[Entry, ...]:
     """The modifiers of ``morse.modifiers`` and of the packages that the entry points ``morse.modifiers`` name."""
     # those of packages are read again, because projects in one process may have packages of the same name
-    packages = (point.value for point in entry_points("morse.modifiers"))
-    return (*_own_modifiers(), *(entry for package in packages for entry in _modifiers_of(package)))
+    places = (point.value for point in entry_points("morse.modifiers"))
+    return (*_own_modifiers(), *(entry for place in places for entry in _modifiers_at(place)))
 
 
 @cache
 def _own_modifiers() -> tuple[Entry, ...]:
-    return tuple(_modifiers_of("morse.modifiers"))
+    return tuple(_modifiers_at("morse.modifiers"))
 
 
-def _modifiers_of(package: str) -> Iterator[Entry]:
+def _modifiers_at(place: str) -> tuple[Entry, ...]:
+    """The modifiers in a package or a module, or the class ``module:Class``."""
     try:
-        definitions = attempt(lambda: list(classes(package)))
+        return attempt(lambda: tuple(_named_modifiers(place)))
     except PluginError as error:
         # an error in a third-party package must not prevent the scene from being built
-        logger.warning("the modifiers of %s are left out: %s", package, error, extra=OF_MACHINE)
-        return
+        logger.warning("the modifiers of %s are left out: %s", place, error, extra=OF_MACHINE)
+        return ()
+
+
+def _named_modifiers(place: str) -> Iterator[Entry]:
+    package, _, wanted = (part.strip() for part in place.partition(":"))
+    definitions = [one for one in classes(package) if not wanted or one[1].name == wanted]
+    is_found = False
     for module, definition in definitions:
-        if "_names" in definition.attributes:
-            classpath = f"{module}.{definition.name}"
-            yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
+        attributes = definition.attributes
+        if "_names" not in attributes:
+            continue
+        is_found = True
+        for name in ("_names", "_components"):
+            names = attributes.get(name, ())
+            if not isinstance(names, (tuple, list)) or not all(isinstance(one, str) for one in names):
+                text = f"{name} of {definition.name} is {names!r}, expected a tuple of names, such as ('Pose',)"
+                raise MorseBuilderError(text)
+        yield Entry(definition.name, f"{module}.{definition.name}", definition.doc or "", attributes)
+    if not is_found:
+        if not any(files(package)):
+            raise MorseBuilderError(f"there is no package or module '{package}'")
+        raise MorseBuilderError(f"it has no class{wanted and ' '}{wanted} with _names, such as _names = ('Drift',)")
 
 
 def fitting_modifier(name: str, component: type) -> str | None:
@@ -209,19 +235,20 @@ def find_modifier(name: str, component: type | None) -> str:
     """
     bases = {base.__name__ for base in component.__mro__} if component is not None else set()
     suitable: dict[str, str] = {}
-    everywhere: set[str] = set()
+    others: set[str] = set()
     for entry in modifiers():
-        names = entry.attributes["_names"]
-        everywhere.update(names)
-        if bases & set(entry.attributes.get("_components", ())):
+        names, fits = entry.attributes["_names"], entry.attributes.get("_components", ())
+        if name in names:
+            others.update(fits or ["nothing: its class has no _components"])
+        if bases & set(fits):
             suitable.update(dict.fromkeys(names, entry.classpath))
     if name in suitable:
         return suitable[name]
     what = component.__name__ if component is not None else "an object without behaviour"
     choices = f"; there are {', '.join(sorted(suitable))}" if suitable else f"; there are none for {what}"
     hint = checks.suggestion(name, suitable) or choices
-    if name in everywhere:
-        raise MorseBuilderError(f"the modifier '{name}' is not for {what}{hint}")
+    if others:
+        raise MorseBuilderError(f"the modifier '{name}' is for {', '.join(sorted(others))}, not for {what}{hint}")
     if not hint.endswith("?"):
         hint += "; name a class of your own by classpath=, or its package by the entry point morse.modifiers"
     raise MorseBuilderError(f"there is no modifier '{name}' for {what}{hint}")
