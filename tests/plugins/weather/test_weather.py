@@ -238,6 +238,13 @@ def test_states_and_rows_have_the_same_weather(load: Load, tmp_path):
         ("wet=2", "0 for dry"),
         ("schedule={'soon': {}}", "schedule: expected"),
         ("schedule={1.0: {'rian': 2}}", "did you mean 'rain'"),
+        ("schedule={1.0: {'wet': 1.0}}", "'wet' does not change in a run"),
+        ("schedule={10**400: {'rain': 1.0}}", "schedule: expected"),
+        ("rain=10**400", "rain="),
+        ("fog=10**400", "fog="),
+        ("wind=(10**400, 0)", "wind="),
+        ("wind=(True, 0)", "wind="),
+        ("gusts=10**400", "gusts="),
     ],
 )
 def test_mistakes_are_named(tmp_path, weather: str, words: str):
@@ -306,3 +313,40 @@ def test_numbers_of_a_tick_take_no_memory(load: Load):
     names = len(simulation.context.drawn)
     simulation.step(60)
     assert len(simulation.context.drawn) == names
+
+
+def test_a_scanner_goes_on_in_air_through_which_nothing_is_seen(load: Load):
+    """The loss of light on the way is greater than a float can be."""
+    simulation = load(WALL.format(reach=80.0, window=2.0, distance=20.0, weather="rain=1.0"))
+    simulation.step(30)
+    for values in ({"dust": 100.0}, {"fog": 1.0}, {"dust": 100.0, "rain": 2000.0, "snow": 200.0}):
+        simulation.rpc("weather", "set", values)
+        simulation.step(30)
+        assert not simulation.failures
+        ranges = np.asarray(simulation.robot.laser.get()["range_list"])
+        assert (ranges[ranges < 80.0] < 3.0).all()
+
+
+def test_the_wind_pushes_a_robot_by_its_own_size_after_another_of_its_name(load: Load):
+    scene = """
+flyer = ATRV()
+flyer.translate(z=60.0)
+env = Environment("empty")
+env.weather(wind=(20.0, 0.0))
+"""
+    simulation = load(scene)
+    simulation.step(3)
+    simulation.delete("flyer")
+    simulation.spawn("flyer", "Hummer", (0.0, -40.0, 60.0))
+    simulation.spawn("other", "Hummer", (0.0, 40.0, 60.0))
+    simulation.step(10)
+    one, other = (simulation.context.robots[name].bge_object.worldLinearVelocity.x for name in ("flyer", "other"))
+    assert one > 1.0
+    assert one == pytest.approx(other)
+
+
+def test_the_wind_is_an_array_too(load: Load):
+    simulation = load(
+        'import numpy\nrobot = FakeRobot()\nenv = Environment("empty")\nenv.weather(wind=numpy.array([2.0, 1.0]))'
+    )
+    assert simulation.rpc("weather", "get")["wind"] == [2.0, 1.0, 0.0]

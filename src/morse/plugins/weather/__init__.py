@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from numbers import Real
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
+
+import numpy as np
 
 from morse.builder import workspace
 from morse.core.exceptions import MorseBuilderError
@@ -27,6 +29,8 @@ _LIMITS = {
     "wet": (0.0, 1.0, "0 for dry, 1 for wet"),
 }
 _FASTEST = 150.0
+#: latest time of a schedule, s
+_LATEST = 1e12
 #: coefficient of friction on dry ground, and its shares: rubber on wet asphalt, and on packed snow (J. Y. Wong, Theory
 #: of Ground Vehicles, table 1.4)
 _DRY, _ON_WET, _ON_SNOW = 0.7, 0.5, 0.3
@@ -54,15 +58,21 @@ def checked(values: Mapping[str, object], fail: Callable[[str], Exception]) -> d
             numbers[name] = math.inf
         else:
             low, high, unit = _LIMITS[name]
-            if not isinstance(value, Real) or isinstance(value, bool) or not low <= float(value) <= high:
+            if not _is_number(value) or not low <= value <= high:
                 raise fail(f"{name}={value!r:.60}: expected {low:g} to {high:g} ({unit})")
             numbers[name] = float(value)
     return numbers
 
 
+def _is_number(value: object) -> TypeGuard[float]:
+    # an integer of more bits is greater than all floats
+    is_huge = isinstance(value, int) and value.bit_length() > 1000
+    return isinstance(value, Real) and not isinstance(value, bool) and not is_huge
+
+
 def _wind(value: object, fail: Callable[[str], Exception]) -> tuple[float, float, float]:
-    parts = list(value) if isinstance(value, (list, tuple)) else []
-    right = len(parts) in (2, 3) and all(isinstance(part, Real) and abs(float(part)) <= _FASTEST for part in parts)
+    parts = list(value) if isinstance(value, (list, tuple, np.ndarray)) else []
+    right = len(parts) in (2, 3) and all(_is_number(part) and abs(part) <= _FASTEST for part in parts)
     if not right:
         raise fail(f"wind={value!r:.60}: expected (x, y) or (x, y, z) in m/s, each at most {_FASTEST:g}")
     x, y, z = [*map(float, parts), 0.0][:3]
@@ -128,8 +138,9 @@ def _moisten(wet: float, snow: float) -> None:
 def _items(schedule: object, fail: Callable[[str], Exception]) -> list[tuple[float, Mapping[str, object]]]:
     items: list[tuple[float, Mapping[str, object]]] = []
     for time, values in (schedule or {}).items() if isinstance(schedule, dict) or schedule is None else [(None, None)]:
-        valid = isinstance(time, Real) and not isinstance(time, bool) and 0.0 <= float(time) < math.inf
-        if time is None or not valid or not isinstance(values, dict):
+        if not _is_number(time) or not 0.0 <= time <= _LATEST or not isinstance(values, dict):
             raise fail("schedule: expected {seconds: {'rain': 30.0, ...}, ...}")
+        if "wet" in values:
+            raise fail("schedule: 'wet' does not change in a run, nor does friction: write env.weather(wet=...)")
         items.append((float(time), values))
     return items

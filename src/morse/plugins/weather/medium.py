@@ -34,6 +34,8 @@ VISIBLE, LIDAR, THERMAL = 550e-9, 905e-9, 10e-6
 DEPTH_OF_RANGE = 2.996
 #: dB of power as an exponent
 _DECIBEL = math.log(10.0) / 10.0
+#: greatest optical depth, one way: beyond it no number is left of the light, and its inverse would overflow
+_OPAQUE = 300.0
 #: number of distances in a table
 _STEPS = 513
 #: coefficients k, alpha of P.838-3 for horizontal polarisation, by frequency in GHz
@@ -202,7 +204,8 @@ class Beam:
         """Return the number of detected drops per metre of the beam (N,) at distances (N,), 1/m."""
         width = self.aperture + self.divergence * ranges
         # a drop covers (D / width)^2 of the beam; D in mm
-        square = self.threshold * ranges**2 * portable.exp(2.0 * extinction * ranges) * width**2 / drops.reflectance
+        loss = portable.exp(2.0 * np.minimum(extinction * ranges, _OPAQUE))
+        square = self.threshold * ranges**2 * loss * width**2 / drops.reflectance
         smallest = 1000.0 * np.sqrt(square)
         rates: Floats = math.pi / 4.0 * width**2 * drops.intercept / drops.slope * portable.exp(-drops.slope * smallest)
         return np.where(ranges > self.overlap, rates, 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Annotated
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.interfaces import Carrier
+    from morse.scene import Node
 
 #: s, in which a change of the weather may take place
 Duration = Annotated[float, Range(0.0, 1e6, "s")]
@@ -61,8 +63,8 @@ class Weather(AbstractObject):
         self.conditions = _CLEAR
         self.gust = np.zeros(3)
         self._filters = np.zeros(5)
-        #: cross-sections of robots along their axes, m^2
-        self._areas: dict[str, np.ndarray] = {}
+        #: cross-sections of robots along their axes, m^2; by the robot, because another one may get its name
+        self._areas: WeakKeyDictionary[Carrier, np.ndarray] = WeakKeyDictionary()
         self.restart()
 
     def name(self) -> str:
@@ -126,10 +128,12 @@ class Weather(AbstractObject):
         x, y = (part / speed for part in conditions.wind[:2]) if any(conditions.wind[:2]) else (1.0, 0.0)
         self.gust = conditions.gusts * np.array([along * x - across * y, along * y + across * x, _UP * up])
         wind = np.asarray(conditions.wind) + self.gust
-        for name, robot in self._context.robots.items():
-            self._push(name, robot, wind)
+        parts = self._context.components.values()
+        drags: dict[object, Drag] = {one.robot_parent: one for one in parts if isinstance(one, Drag)}
+        for robot in self._context.robots.values():
+            self._push(robot, wind, drags.get(robot))
 
-    def _push(self, name: str, robot: Carrier, wind: np.ndarray) -> None:
+    def _push(self, robot: Carrier, wind: np.ndarray, drag: Drag | None) -> None:
         """Push a robot that touches nothing; friction holds the others, as long as no hurricane blows."""
         body = robot.bge_object
         if not body.is_dynamic or self._context.world.touched_by(body):
@@ -137,11 +141,9 @@ class Weather(AbstractObject):
         rotation = np.reshape(body.world_pose()[1], (3, 3))
         velocity = np.asarray(body.localLinearVelocity)
         air = matmul(wind, rotation) - velocity
-        if name not in self._areas:
-            self._areas[name] = self._cross_sections(name)
-        force = 0.5 * _AIR * _DRAG * self._areas[name] * np.abs(air) * air
-        parts = self._context.components.values()
-        drag = next((one for one in parts if isinstance(one, Drag) and one.robot_parent is robot), None)
+        if robot not in self._areas:
+            self._areas[robot] = self._cross_sections(body.node)
+        force = 0.5 * _AIR * _DRAG * self._areas[robot] * np.abs(air) * air
         if drag is not None:
             # it resists as in still air, and says how much
             resistance = np.array([drag._drag_x, drag._drag_y, drag._drag_z])
@@ -159,9 +161,9 @@ class Weather(AbstractObject):
         self._filters = np.array(state["gusts"], dtype=np.float64)
         self._follow(self._context.clock.time)
 
-    def _cross_sections(self, name: str) -> np.ndarray:
-        node = self._context.scene.find(name)
-        corners = None if node is None else extent(node.walk(), node)
+    @staticmethod
+    def _cross_sections(node: Node) -> np.ndarray:
+        corners = extent(node.walk(), node)
         if corners is None:
             return np.zeros(3)
         x, y, z = corners[1] - corners[0]
