@@ -38,18 +38,21 @@ class FallenError(MorseError):
 class Fallen:
     """Reports each robot once that has moved over the edge of its world, or that nothing carries.
 
-    A robot has left the world until it is back above that depth, or is created anew. The lowest shape is that at the
+    A robot has left the world until it is back above that depth, or begins again. The lowest shape is that at the
     start.
     """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._reports: WeakSet[Robot] = WeakSet()
-        self._first = self._next = 0
+        self._first = self._next = self._last = 0
         self._bottom, self._has_floor = lowest_shape(simulation.world)
 
     def review(self, tick: int, changed: bool) -> int:
         """Check some robots; see `morse.simulation.ticks.ticking.Ticker.reviews`."""
+        if tick < self._last:
+            self._reports.clear()  # a restart: the same robots begin again
+        self._last = tick
         if changed:
             self._next = tick
         if tick < self._next:

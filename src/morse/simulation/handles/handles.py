@@ -136,8 +136,8 @@ logger = logging.getLogger(__name__)
 _PUBLIC = """
 activate before_physics call cancel clock close contacts context deactivate delete failures is_up measure observers
 pause paused picture place quit record record_inputs replay reset restart restart_robot restore resume robots rpc
-rpc_t run save scene seed set_color set_friction set_light set_mass set_texture show sleep spawn state_hash step stop
-streams ticks time view world
+rpc_t run save scene seed set_color set_friction set_light set_mass set_texture show show_task sleep spawn
+state_hash step stop streams ticks time view world
 """
 
 
