@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import base64
+import json
+import random
+import struct
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +17,7 @@ from editor_desk import MODELS, SCENE, Desk
 from view_pages import Client
 
 import morse
+from morse.assets import collision
 from morse.viewer import uploads
 from morse.viewer.catalog import Catalog
 from tests.kit.waiting import wait_until
@@ -288,6 +292,66 @@ def test_ticks_go_on_while_a_model_is_read(desk: Desk, monkeypatch: pytest.Monke
     assert desk.simulation.clock.time > before
     may_go_on.set()
     assert desk._wait("answer", request=1000)["value"][0]["kinds"] == [["rock/rock.obj", "rock"]]
+
+
+def gltf(points: list[float]) -> str:
+    """A triangle on a node with a scale, below one that is turned and scaled, and beside another root."""
+    uri = "data:application/octet-stream;base64," + encoded(struct.pack("<9f", *points))
+    return json.dumps(
+        {
+            "asset": {"version": "2.0"},
+            "buffers": [{"uri": uri, "byteLength": 36}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]}
+            ],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "nodes": [
+                {"name": "top", "rotation": [0, 0, 0.6, 0.8], "scale": [2, 3, 4], "children": [1], "mesh": 0},
+                {"name": "part", "rotation": [0, 0.6, 0, 0.8], "scale": [1, 5, 1], "mesh": 0},
+                {"name": "other", "scale": [7, 1, 1], "mesh": 0},
+            ],
+            "scenes": [{"nodes": [0, 2]}],
+            "scene": 0,
+        }
+    )
+
+
+@pytest.mark.parametrize("file", ["rock.obj", "rock.gltf"])
+def test_the_collision_shapes_of_a_model_are_computed_before_it_is_added(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch, file: str
+) -> None:
+    threads = []
+    few_parts = collision.few_parts
+
+    def computed(*arguments: Any) -> Any:
+        threads.append(threading.current_thread())
+        return few_parts(*arguments)
+
+    monkeypatch.setattr(collision, "few_parts", computed)
+    size = random.SystemRandom().uniform(1.0, 2.0)  # no shapes of it are kept from an earlier run
+    content = (
+        TETRAHEDRON.replace("1 0 0", f"{size} 0 0") if file == "rock.obj" else gltf([0, 0, 0, size, 0, 0, 0, 1, 0])
+    )
+    (entry,) = report(desk, "rock", {file: content})
+    assert threads
+    assert threading.current_thread() not in threads
+    for kind, _ in entry["kinds"]:
+        desk.do("add_model", model=kind, position=[4, 1, 0])
+    assert threading.current_thread() not in threads
+
+
+def test_nothing_is_saved_through_a_link_in_the_place_of_the_folder_of_models(
+    desk: Desk, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (tmp_path / "data").symlink_to(elsewhere, target_is_directory=True)
+    (entry,) = report(desk, "rock", {"rock.obj": TETRAHEDRON})
+    desk.do("add_model", model=entry["kinds"][0][0], position=[4, 1, 0])
+    answer = desk.ask("save_scene", write=True)
+    assert "link to another folder" in answer["error"]
+    assert [*elsewhere.iterdir()] == []
+    assert (tmp_path / "scene.py").read_text() == SCENE
 
 
 def test_only_the_page_that_drives_sends_files(desk: Desk) -> None:

@@ -24,7 +24,7 @@ from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -81,6 +81,19 @@ def warnings_of_shapes(scene: Scene) -> list[tuple[Node, str]]:
                 "give detailed ones a simple shape (bounds), or exclude them from collision"
             )
     return resolving.warnings
+
+
+def prepare_moving(nodes: Iterable[Node]) -> None:
+    """Compute the shapes that the meshes of an object get when it is added to a running scene, which then finds them.
+
+    It may be called in any thread. The parts of a mesh of 300,000 triangles take more than 10 s.
+
+    Args:
+        nodes: those of a model, as they are in its file.
+    """
+    for node in nodes:
+        if (mesh := node.mesh) is not None and node.body.bounds is None:
+            _shapes_of_mesh(content(mesh), mesh, _stretch(node), None, _MOST_MOVING, is_inverted=False)
 
 
 def _inverted_floors(nodes: Sequence[Node]) -> set[int]:
@@ -141,8 +154,7 @@ class _Resolving:
             return []
         if node.mesh is None:
             return _without_mesh(node)
-        stretch = rigid_frame(node).stretch
-        numbers = tuple(round(value, 9) for row in stretch for value in row)
+        numbers = _stretch(node)
         few = node.body.bounds is Bounds.DECOMPOSITION or (node.body.bounds is None and _moves(node))
         key = (id(node.mesh), numbers, node.body.bounds, few, is_inverted)
         if key not in self._shapes_by_key:
@@ -186,6 +198,11 @@ def _moves(node: Node) -> bool:
 
 def _is_moved(node: Node) -> bool:
     return node.body.moves or node.body.type is PhysicsType.KINEMATIC
+
+
+def _stretch(node: Node) -> tuple[float, ...]:
+    """How a mesh is stretched in its rigid frame, row by row."""
+    return tuple(round(value, 9) for row in rigid_frame(node).stretch for value in row)
 
 
 def _place(node: Node) -> str:

@@ -19,6 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from morse.assets import load, search
+from morse.assets.collision import prepare_moving
 from morse.assets.formats import is_model, suffixes
 from morse.assets.summary import class_of, contents
 from morse.builder.editing.changes import UnwritableError
@@ -43,7 +44,8 @@ if TYPE_CHECKING:
 #: bytes of one upload, and of all uploads of a run; uploads and files of a run
 _LARGEST, _MOST_BYTES = 128 << 20, 512 << 20
 _MOST_UPLOADS, _MOST_FILES = 100, 5000
-#: triangles of a model that is added to a running simulation, which waits for it; about 10 µs each
+#: triangles of a model that is added to a running simulation, which waits for it; about 10 µs each, since their
+#: collision shapes were computed by the examination
 _MOST_TRIANGLES = 300_000
 #: folders below each other, characters of a name
 _DEEPEST, _LONGEST = 8, 100
@@ -209,6 +211,11 @@ class Uploads:
                 continue
             try:
                 target.parent.mkdir(exist_ok=True)
+                if target.parent.is_symlink():  # it may have come with the folder of the script
+                    raise UnwritableError(
+                        f"{target} is not written: {target.parent.name} is a link to another folder; replace it by a "
+                        f"folder, or copy {folder.name} there yourself"
+                    )
                 target.mkdir()  # never into a folder that somebody else has made
                 try:
                     shutil.copytree(folder, target, dirs_exist_ok=True, copy_function=shutil.copyfile)
@@ -276,6 +283,8 @@ def _examination(
                 raise MorseError("a file that is sent cannot contain substitutions, such as $(env NAME)")
             library = load(folder / path)
             found, why = _models(f"{folder.name}/{path.as_posix()}", library)
+            if found and class_of(library) != "Robot":
+                prepare_moving(library.nodes())
             lines = [[title, short(text, 400)] for title, text in contents(library)][:_MOST_LINES]
         except Exception as error:  # a reader of a package may raise anything
             text = message(error).replace(f"{folder}{os.sep}", "").replace(str(folder), folder.name)
