@@ -2,11 +2,17 @@
 
 import ast
 import re
+import socket
+import sys
+import threading
 from pathlib import Path
+from types import FrameType
 
 import pytest
 
 import morse
+from tests.kit.programs import free_port
+from tests.kit.waiting import wait_until
 
 PAGE = (Path(__file__).parents[2] / "docs/architecture.md").read_text(encoding="utf-8")
 WAYS = PAGE.partition("## Three ways")[2].partition("\n## ")[0]
@@ -64,3 +70,94 @@ def test_the_functions_of_a_step_exist_in_its_files(files: list[str], functions:
 def test_a_link_goes_to_the_file_that_it_names(label: str, target: str) -> None:
     assert label == target
     assert (SOURCES / target).is_file()
+
+
+SCENE = """
+from morse.builder import *
+robot = {robot}()
+motion = MotionVW()
+motion.add_stream("socket", port={port})
+robot.append(motion)
+env = Environment("empty", fastmode=True)
+"""
+TAKEN = [
+    "LineClient.data_received",
+    "StreamClient.line",
+    "Ticker.tick",
+    "Ticker._actuate",
+    "Guard.act",
+]
+READ = ["Actuator.take_input", "read", "KindStream.default", "SocketReader.arrived", "ClientCommands.take"]
+COMMANDED = ["MotionVW.default_action", "LimitedMotion.speeds"]
+AS_BODY = [
+    *TAKEN,
+    "ActuatorRows.action",
+    *READ,
+    *COMMANDED,
+    "Robot.apply_speed",
+    "GameObject.drive",
+    "Fleet.adopt",
+    "Fleet.drive",
+    "World.step",
+    "Drives.before_step",
+    "Fleet.begin",
+    "Drives._drive_body",
+    "Steps.step",
+    "Passage.alone",
+]
+ON_WHEELS = [
+    *TAKEN,
+    "Actuator.action",
+    *READ,
+    *COMMANDED,
+    "PhysicsDifferentialRobot.apply_speed",
+    "Wheel.set_speed",
+    "World.step",
+    "Traction.before_step",
+    "Drives.before_step",
+    "Steps.step",
+]
+
+
+def entered(robot: str, folder: Path) -> list[str]:
+    """The functions of MORSE that a command enters, in the order of their first calls."""
+    seen: dict[str, None] = {}
+    is_on = threading.Event()
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and is_on.is_set() and frame.f_code.co_filename.startswith(str(SOURCES)):
+            seen.setdefault(frame.f_code.co_qualname)
+
+    port, script = free_port(), folder / "scene.py"
+    script.write_text(SCENE.format(robot=robot, port=port))
+    threading.setprofile(note)  # the network thread begins after it
+    try:
+        with morse.load(script, sockets=True) as simulation:
+            simulation.step(20)
+            with socket.create_connection(("127.0.0.1", port), 60.0) as client:
+                simulation.step(20)
+                is_on.set()
+                client.sendall(b'{"v": 1.0}\n')
+                wait_until(lambda: "StreamClient.line" in seen)
+                sys.setprofile(note)
+                simulation.step(60)
+                sys.setprofile(None)
+                is_on.clear()
+            assert simulation.robot.motion.component.local_data["v"] == 1.0
+    finally:
+        sys.setprofile(None)
+        threading.setprofile(None)
+    return list(seen)
+
+
+@pytest.mark.parametrize(("robot", "way"), [("ATRV", AS_BODY), ("SegwayRMP400", ON_WHEELS)])
+def test_a_command_goes_the_way_of_the_page(robot: str, way: list[str], tmp_path: Path) -> None:
+    assert [name for name in entered(robot, tmp_path) if name in way] == way
+    first = WAYS.partition("**A joint")[0]
+    assert not [name for name in way if f"`{name}`" not in first]
+
+
+def test_all_functions_of_the_first_way_exist() -> None:
+    way = WAYS.partition("**A joint")[0]
+    known = set().union(*(names(SOURCES / file) for _, file in _STEP.findall(way)))
+    assert not set(re.findall(r"`(\w+\.[a-z_]\w*)`", way)) - known
