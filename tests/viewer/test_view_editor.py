@@ -344,6 +344,51 @@ def test_components_act_and_measure_at_once(desk: Desk, tmp_path: Path) -> None:
         assert there.location == pytest.approx(imu.location)
 
 
+def test_what_is_added_without_a_place_stands_beside_what_is_there(desk: Desk) -> None:
+    scene = desk.simulation.scene
+    robot = scene.find("robot")
+    assert robot is not None
+    box = visible_extent(robot)
+    assert box is not None
+    top = [1.0, 2.0, float(box[1][2])]  # the middle of the view looks at the robot
+    kinds = ["props/crates#small_crate", "Cube", "Morsy", "props/crates#small_crate"]
+    names = ["robot", *(desk.do("add_model", model=kind, position=top, beside=True) for kind in kinds)]
+    boxes = [found for name in names if (found := visible_extent(scene.find(name))) is not None]
+    assert len(boxes) == 5
+    for number, (low, high) in enumerate(boxes):
+        assert low[2] == pytest.approx(0.0, abs=0.05), names[number]
+        assert abs((low + high)[:2] / 2 - top[:2]).max() < 6.0  # in view
+        for other_low, other_high in boxes[:number]:
+            assert (low[:2] > other_high[:2]).any() or (high[:2] < other_low[:2]).any()
+    # where one points is where it goes
+    there = desk.do("add_model", model="Cube", position=top)
+    assert scene.find(there).location[:2] == pytest.approx(top[:2])
+
+
+def test_what_is_added_without_a_place_stands_beside_the_furniture_of_the_world(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE.replace('"empty"', '"indoors-1/indoor-1"'))
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        for thing in ("Rolling_Chair.001", "RedBox"):
+            root = simulation.scene.find(thing)
+            assert root is not None
+            box = visible_extent(root)
+            assert box is not None
+            middle = (box[0] + box[1]) / 2
+            name = desk.do("add_model", model="Morsy", position=[*middle[:2], float(box[1][2])], beside=True)
+            simulation.step(60)
+            node = simulation.scene.find(name)
+            assert node is not None
+            assert node.location == pytest.approx((*node.location[:2], 0.0), abs=0.05)
+            assert node.rotation_euler[:2] == pytest.approx((0.0, 0.0), abs=0.05)  # it has not been thrown over
+
+
 def test_solids_lamps_and_cameras_are_added(desk: Desk, tmp_path: Path) -> None:
     for kind in ("Cube", "Spot", "Camera"):
         assert desk.do("add_model", model=kind, position=[3, 1, 0]) == kind.lower()

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import math
 import os
 from dataclasses import replace
 from functools import partial
 from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from morse.builder import workspace
 from morse.builder.assembly.spawning import call_text, component_of
@@ -37,7 +40,10 @@ from morse.viewer.world_settings import OWNER, SEVERAL, check_world_call, settin
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.typing import NDArray
+
     from morse.scene import Node
+    from morse.scene.extent import Corners
     from morse.simulation.simulation import Simulation
     from morse.viewer import page_messages as page
     from morse.viewer.page_inputs import ServiceCalls
@@ -56,6 +62,12 @@ _LOCKED = "To change it here, start with morse run --edit-script; or use an edit
 _MOST_CHANGES = 1000
 #: height over the ground of what cannot be seen, m
 _OVERHEAD = 2.5
+#: free space around an object that is put beside others, and the distance of the places that are tried, m
+_GAP = 0.15
+_RING = 0.3
+_MOST_RINGS = 60
+#: what is wider is the ground or a building, not an object that stands on the ground, m
+_ROOM = 5.0
 _FULL = f"the scene has {_MOST_CHANGES} changes: save and reload it before you change more"
 
 
@@ -187,7 +199,7 @@ class Editor:
         if group is None:
             raise MorseError(f"there is no model '{event.model}' in the list")
         name = variable_name(event.model, self._names())
-        position, angles, lowest, is_named = self._own_pose(event.model)
+        position, angles, box, is_named = self._own_pose(event.model)
         if group in ("sensors", "actuators"):
             self._check_carrier(event.robot)
             usual = self._usual_place(event.robot, group)
@@ -195,6 +207,10 @@ class Editor:
             addition = Addition(name, event.model, place, angles, event.robot, position, angles, is_named)
         else:
             x, y, z = event.position or (0.0, 0.0, 0.0)
+            # a lamp, or a camera of the world, looks down
+            lowest = -_OVERHEAD if box is None else float(box[0][2])
+            if event.beside and box is not None:
+                x, y, z = self._free_place((x, y, z), box)
             place = _rounded((x, y, z - lowest), 2)
             angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
             addition = Addition(name, event.model, place, angles_now, "", position, angles, is_named)
@@ -237,6 +253,42 @@ class Editor:
         low, high = corners
         return float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2, float(high[2])
 
+    def _free_place(self, point: Triple, box: Corners) -> Triple:
+        """The place nearest to a point where an object with this box around its origin, m, is not on or in another."""
+        x, y, z = point
+        context = self._simulation.context
+        movable = {self._root(robot).name for robot in context.robots} | set(self._additions)
+        things: list[Corners] = []
+        others: list[Corners] = []
+        for root in self._simulation.scene.roots:
+            if (found := visible_extent(root)) is not None:
+                length, width, height = found[1] - found[0]
+                is_ground = max(length, width) > _ROOM or height < _GAP
+                (others if is_ground and root.name not in movable else things).append(found)
+
+        def is_at(low: NDArray[np.float64], high: NDArray[np.float64], corners: Corners) -> bool:
+            """Whether a rectangle lies over or under a box."""
+            return bool((low[:2] < corners[1][:2]).all() and (high[:2] > corners[0][:2]).all())
+
+        here = np.array([x, y])
+        # what is pointed at stands on the ground itself, or on something that does
+        z = min([z, *(float(thing[0][2]) for thing in things if is_at(here - _GAP, here + _GAP, thing))])
+        tall = float(box[1][2] - box[0][2])
+        # the ground and the room in which the point lies are no obstacles
+        walls = [
+            wall
+            for wall in others
+            if wall[1][2] > z + _GAP and wall[0][2] < z + tall and not is_at(here - _GAP, here + _GAP, wall)
+        ]
+        for ring in range(_MOST_RINGS):
+            for turn in range(max(1, 6 * ring)):
+                angle = math.tau * turn / max(1, 6 * ring)
+                place = here + ring * _RING * np.array([math.cos(angle), math.sin(angle)])
+                low, high = place + box[0][:2] - _GAP, place + box[1][:2] + _GAP
+                if not any(is_at(low, high, corners) for corners in (*things, *walls)):
+                    return float(place[0]), float(place[1]), z
+        return point
+
     def _duplicate(self, name: str) -> str:
         self._check_room()
         name = self._root(name).name
@@ -270,16 +322,16 @@ class Editor:
         except UnwritableError:
             return names
 
-    def _own_pose(self, kind: str) -> tuple[Triple, Triple, float, bool]:
-        """The pose that the builder gives to a model, its lowest point over its origin, m, and whether it names it."""
+    def _own_pose(self, kind: str) -> tuple[Triple, Triple, Corners | None, bool]:
+        """The pose that the builder gives to a model, the box around it from its origin, m, and whether it names it."""
         scene = self._simulation.scene
         with scene.project, describing(scene.resource_paths), workspace.described():
             part = component_of(kind)
             corners = visible_extent(part.scene_node)
             position, angles = _triple(part.location), _triple(part.rotation_euler)
             is_named = part.name_strength is Strength.GIVEN
-        # a lamp, or a camera of the world, looks down
-        return position, angles, -_OVERHEAD if corners is None else float(corners[0][2]) - position[2], is_named
+        box = None if corners is None else (corners[0] - position, corners[1] - position)
+        return position, angles, box, is_named
 
     def _scale(self, name: str, factors: Triple) -> str:
         name = self._root(name).name

@@ -241,6 +241,7 @@ class AddModel(ViewEvent, frozen=True):
             component at its usual place: an actuator in the origin of the robot, a sensor above it.
         yaw: radians.
         robot: the robot that gets the component.
+        beside: whether an object goes beside what is already at the position, on the ground of that.
     """
 
     request: Request
@@ -248,6 +249,7 @@ class AddModel(ViewEvent, frozen=True):
     position: Point | None = None
     yaw: Coordinate = 0.0
     robot: Name = ""
+    beside: bool = False
 
 
 class BeginUpload(ViewEvent, frozen=True):

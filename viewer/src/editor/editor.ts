@@ -137,7 +137,7 @@ export class Editor {
     const { robot, position } = carrier ?? { robot: "", position: point };
     // an actuator has no place of its own
     const at = model.group === "actuators" ? null : (position?.toArray() ?? null);
-    const answer = await this.connection.request({ type: "add_model", model: model.kind, position: at, yaw: 0, robot });
+    const answer = await this.connection.request({ type: "add_model", model: model.kind, position: at, yaw: 0, robot, beside: place === null });
     if (!answer.ok) this.toasts.show(answer.error, "error");
     else {
       const name = String(answer.value);
