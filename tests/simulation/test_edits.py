@@ -1,6 +1,8 @@
 """The state of saved files."""
 
-from morse.simulation.watching.edits import Edits
+from pathlib import Path
+
+from morse.simulation.watching.edits import Edits, stamp
 
 
 def test_the_innermost_line_is_the_place() -> None:
@@ -34,3 +36,15 @@ def test_a_file_without_a_line_and_a_mended_one() -> None:
     edits.refuse("/p/scene.py", "SyntaxError: x")
     edits.take("/p/scene.py", waits=True)
     assert not edits.mistakes
+
+
+def test_a_file_that_a_restart_has_refused_waits_only_after_the_next_save(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text("robot = ATVR()\n")
+    edits, path = Edits(), str(script)
+    assert not edits.was_refused(path)
+    edits.refuse_at_restart([path], {path: stamp(path)}, f"{path}:1: there is no 'ATVR'")
+    assert edits.was_refused(path)
+    assert edits.mistakes[path] == (path, 1, "there is no 'ATVR'")
+    script.write_text("robot = ATRV()  # longer\n")
+    assert not edits.was_refused(path)

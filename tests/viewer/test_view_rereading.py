@@ -86,6 +86,20 @@ def test_a_script_with_a_mistake_is_not_taken(edited: Edited) -> None:
     assert len(edited.addresses()) == 1
 
 
+def test_a_script_that_a_restart_has_refused_is_not_offered_again(edited: Edited) -> None:
+    with Client(edited.url) as page:
+        page.expect("seat", pages=1)
+        edited.script.write_text(SCENE.replace("ATRV", "ATVR"))
+        page.send("reset")  # at once, before the watch of the files has seen it
+        (mistake,) = page.expect("saved_files", waiting=[])["mistakes"]
+        assert mistake["line"] == 5
+        # the watch looks at this file after the script, and tells it later
+        edited.places.write_text("START = (\n")
+        news = page.expect("saved_files")
+        assert news["waiting"] == []
+        assert mistake in news["mistakes"]
+
+
 def test_a_saved_script_is_announced_and_a_mistake_stays_until_it_is_mended(edited: Edited) -> None:
     with Client(edited.url) as page:
         page.expect("seat", pages=1)

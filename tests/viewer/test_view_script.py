@@ -176,6 +176,8 @@ def test_the_script_is_edited_saved_and_run_in_the_page(tmp_path: Path, open_pag
         wait_until(lambda: "robot.translate(3.0)" in script.read_text(), "the script")
         x = "morse.world.value?.find('robot')?.frame.position.x ?? 0"
         wait_until(lambda: page.evaluate(x) > 3.5, "the robot of the script that was saved")
+        # the page has been connected anew, and says nothing of that
+        wait_until(lambda: not page.locator(".script .error").is_visible(), "no error")
         # an error that only shows when it runs
         page.locator(".script .cm-content").get_by_text("robot = ATRV()").click()
         page.keyboard.press("End")
@@ -185,5 +187,6 @@ def test_the_script_is_edited_saved_and_run_in_the_page(tmp_path: Path, open_pag
         page.get_by_role("button", name="save", exact=True).click()
         page.locator(".script .wrong").wait_for()
         wait_until(lambda: "line 5" in page.locator(".script .error").inner_text(), "the line of the mistake")
+        assert page.locator(".saved .primary").count() == 0  # there is nothing to reload
     finally:
         process.kill()

@@ -90,6 +90,7 @@ class Rereading:
         if isinstance(project, ProjectImports):
             project.leave()
         stamps = script_stamp(self._options)
+        read = {path: stamp(path) for path in edited}
         try:
             with scene_warnings(refused=self._options.on_warning == "raise") as collected:
                 scene = load_scene(self._options, anew=True)
@@ -105,10 +106,8 @@ class Rereading:
             )
             if rest:
                 logger.error("%s", rest, extra=said)
-            for path in edited:
-                simulation.edits.take(path)
             mend = error.mend if isinstance(error, ScriptError) else ""
-            simulation.edits.refuse(edited[0], f"{error}. {mend}" if mend else str(error))
+            simulation.edits.refuse_at_restart(edited, read, f"{error}. {mend}" if mend else str(error))
             if isinstance(project, ProjectImports):
                 project.stay()
             return False

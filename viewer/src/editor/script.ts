@@ -1,4 +1,5 @@
 import type { Connection } from "../connection/connection";
+import type { FileMistake } from "../generated/protocol";
 import type { Components } from "../model/components";
 import type { Toasts } from "../panels/toasts";
 import { disable, h } from "../ui/dom";
@@ -43,6 +44,7 @@ export class ScriptPanel {
   private readonly backButton = h("button", { type: "button", hidden: true, onclick: () => void this.discard() }, "discard");
   private editor: Promise<CodeEditor> | null = null;
   private script: Script | null = null;
+  private mistakes: FileMistake[] = [];
   /** whether it has changes of the user */
   private edited = false;
 
@@ -55,9 +57,10 @@ export class ScriptPanel {
     const head = h("div", { class: "tools" }, this.title, this.saveButton, this.backButton);
     this.element = h("section", { class: "panel script", "aria-label": "script", hidden: true }, head, this.why, this.error, this.place);
     connection.on("scene_changes", () => void this.refresh());
+    connection.on("welcome", () => (this.mistakes = []));
     connection.on("saved_files", ({ mistakes }) => {
-      const own = mistakes.find(({ file }) => file === this.script?.file);
-      this.fail(own ? own.line : 0, own ? own.text : "");
+      this.mistakes = mistakes;
+      this.tellMistake();
     });
     components.selected.watch(() => void this.mark());
     drives.watch(() => void this.refresh());
@@ -76,6 +79,12 @@ export class ScriptPanel {
     return this.editor;
   }
 
+  /** Show what is wrong with the script that was saved, if anything is. */
+  private tellMistake(): void {
+    const own = this.mistakes.find(({ file }) => file === this.script?.file);
+    this.fail(own ? own.line : 0, own ? own.text : "");
+  }
+
   private async refresh(): Promise<void> {
     if (this.element.hidden) return;
     const [editor, answer] = await Promise.all([this.open(), this.connection.request({ type: "show_script" })]);
@@ -88,7 +97,8 @@ export class ScriptPanel {
     this.title.textContent = this.script?.file ?? "";
     editor.load(this.script?.text ?? "");
     this.enable(editor);
-    if (!answer.ok) this.fail(0, answer.error);
+    if (answer.ok) this.tellMistake();
+    else this.fail(0, answer.error);
     await this.mark();
   }
 

@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping, Sequence
 
 
 # Detects which files have been saved.
@@ -87,6 +87,7 @@ class Edits:
         self.mistakes: dict[str, Mistake] = {}
         self.waiting: dict[str, None] = {}
         self._own: dict[str, bytes] = {}
+        self._refused: dict[str, object] = {}
 
     def write(self, path: str, content: bytes) -> None:
         """The simulation itself has saved a file, which describes what it already shows."""
@@ -95,6 +96,21 @@ class Edits:
     def in_use(self, path: str, content: bytes) -> bool:
         """Whether a file contains what the simulation itself has saved, so that it need not be read again."""
         return self._own.get(path) == content
+
+    def was_refused(self, path: str) -> bool:
+        """Whether a file is as it was when a restart refused it, so that it neither waits nor is in use."""
+        return path in self._refused and self._refused[path] == stamp(path)
+
+    def refuse_at_restart(self, paths: Sequence[str], stamps: Mapping[str, object], reason: str) -> None:
+        """Saved files were read by a restart, and have an error.
+
+        Args:
+            stamps: those of the files when they were read.
+        """
+        for path in paths:
+            self.take(path)
+            self._refused[path] = stamps[path]
+        self.refuse(paths[0], reason)
 
     def refuse(self, path: str, reason: str) -> None:
         """A saved file has an error."""

@@ -213,6 +213,8 @@ class Watch(Observer):
 
     def _script_saved(self) -> None:
         """A syntax error is told at once, others when the script is executed."""
+        if self._simulation.edits.was_refused(self._script):
+            return  # a restart was faster than this watch, and has told the error
         try:
             content = read_regular(self._script)
             compile(content, self._script, "exec", dont_inherit=True)
