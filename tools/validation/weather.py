@@ -9,7 +9,7 @@ import numpy as np
 from figures import Figure, scene
 
 from morse.plugins.weather.medium import VISIBLE, Conditions, drops_of, falling_speed
-from morse.plugins.weather.services import turbulence
+from morse.plugins.weather.services import outputs, turbulence
 from morse.rendering.textures import LINEAR
 
 if TYPE_CHECKING:
@@ -45,8 +45,10 @@ def figures() -> Iterator[Figure]:
     for rate, decibels in ((12.0, 5.687), (50.0, 14.79)):
         loss = 10.0 * math.log10(math.exp(Conditions(rain=rate).extinction(VISIBLE) * 1000.0))
         yield Figure(f"rain of {rate:g} mm/h", "loss of light, dB/km", decibels, loss, 0.05, "ITU-R P.1814")
-    radio = Conditions(rain=10.0).attenuation_of_radio(77.0)
-    yield Figure("rain of 10 mm/h", "loss at 77 GHz, dB/km", 5.75, radio, 0.1, "ITU-R P.838-3")
+    for gigahertz, k, alpha in ((24.0, 0.1425, 1.0101), (80.0, 1.1704, 0.7115)):
+        radio, loss = Conditions(rain=10.0).attenuation_of_radio(gigahertz * 1e9), k * 10.0**alpha
+        what = f"loss at {gigahertz:g} GHz, dB/km"
+        yield Figure("rain of 10 mm/h", what, loss, radio, 0.005, "ITU-R P.838-3, table 5")
     (drops,) = drops_of(Conditions(rain=12.0))
     diameters = np.linspace(0.0, 8.0, 4001)
     density = drops.intercept * np.exp(-drops.slope * diameters)
@@ -69,11 +71,11 @@ def _contrast() -> float:
 
 
 def _gusts() -> Iterator[Figure]:
-    filters, outputs = np.zeros(5), []
+    filters, series = np.zeros(5), []
     for white in np.random.default_rng(1).standard_normal((200_000, 3)):
-        filters, output = turbulence(filters, white, 0.05, 20.0)
-        outputs.append(output)
-    for name, deviation in zip(("along the wind", "across", "upward"), np.std(outputs, axis=0), strict=True):
+        filters = turbulence(filters, white, 0.05, 20.0)
+        series.append(outputs(filters))
+    for name, deviation in zip(("along the wind", "across", "upward"), np.std(series, axis=0), strict=True):
         yield Figure(f"gusts {name}", "standard deviation", 1.0, float(deviation), 0.06, "MIL-F-8785C, Dryden")
 
 

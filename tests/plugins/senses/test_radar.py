@@ -206,3 +206,15 @@ def test_returns_are_recorded_as_messages_of_radar_msgs(tmp_path):
     returns = decode("radar_msgs/msg/RadarScan", bytes(message.data))["returns"]
     assert [one["range"] for one in returns] == pytest.approx([one["range"] for one in last], rel=1e-6)
     assert returns[0]["amplitude"] == pytest.approx(10 * math.log10(last[0]["rcs"]), rel=1e-6)
+
+
+@pytest.mark.parametrize(("carrier", "rate"), [(77e9, 50.0), (24e9, 100.0), (10e9, 5.0)])
+def test_rain_weakens_an_echo_there_and_back(load, carrier, rate):
+    """By ITU-R P.838-3, twice the attenuation of one way; a receiver takes the target for a smaller one."""
+    text = scene(corner(90.0), carrier=carrier).replace("Environment(", "env = Environment(")
+    simulation = load(text + f"env.weather(rain={rate})\n")
+    simulation.step()
+    found = strongest(simulation)
+    k, alpha = {77e9: (1.1320, 0.7177), 24e9: (0.1425, 1.0101), 10e9: (0.01217, 1.2571)}[carrier]
+    lost = 2.0 * k * rate**alpha * found["range"] / 1000.0
+    assert found["rcs"] == pytest.approx(10.0 * 10.0 ** (-lost / 10.0), rel=2e-3)

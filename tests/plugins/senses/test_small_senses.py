@@ -175,6 +175,24 @@ def test_there_is_no_gas_upwind_and_all_sensors_find_one_plume(load):
     assert upwind < 1e-6 * here
 
 
+def test_the_wind_of_the_weather_carries_the_gas(load):
+    """The same bits as the properties of the environment, and the sum of both."""
+    found = []
+    for properties, weather in (
+        ("wind_x=1.0, wind_y=0.5", ""),
+        ("", "wind=(1.0, 0.5)"),
+        ("wind_x=0.5", "wind=(0.5, 0.5)"),
+    ):
+        text = SCENE.format(
+            sensor="nose = GasSensor('nose'); robot.append(nose)",
+            objects=thing("gas_source=2.0", x=-4.0, y=-2.0), environment=properties,
+        )  # fmt: skip
+        simulation = load(text + (f"env.weather({weather})\n" if weather else ""))
+        simulation.step(400)
+        found.append(simulation.robot.nose.data["concentration"])
+    assert found[0] == found[1] == found[2] > 1e-3
+
+
 def test_the_level_of_sound_falls_with_the_distance_and_adds_as_power(measured):
     near = measured("Microphone", thing("sound_level=80", x=1.0), floor=-20.0)["level"]
     far = measured("Microphone", thing("sound_level=80", x=10.0), floor=-20.0)["level"]

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import morse
+from morse.helpers.air import wind
 from morse.plugins.weather.medium import LIDAR, VISIBLE, Beam, Conditions, drops_of, falling_speed
-from morse.plugins.weather.services import turbulence
+from morse.plugins.weather.services import outputs, turbulence
 from tests.kit.scenes import Load, script
 
 WALL = """
@@ -38,8 +39,17 @@ def test_extinction_of_light_as_published():
 
 def test_attenuation_of_radar_as_published():
     """ITU-R P.838-3: at 77 GHz, 10 mm/h attenuate by 5.7 dB/km."""
-    assert Conditions(rain=10.0).attenuation_of_radio(77.0) == pytest.approx(5.75, rel=0.02)
-    assert Conditions(fog=50.0).attenuation_of_radio(77.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("gigahertz", "k", "alpha"), [(20.0, 0.09164, 1.0568), (24.0, 0.1425, 1.0101), (25.0, 0.1571, 0.9991)]
+)
+def test_rain_weakens_radio_waves_as_the_table_of_p838_3_says(gigahertz, k, alpha):
+    """ITU-R P.838-3, table 5: the coefficients for horizontal polarisation."""
+    assert Conditions(rain=1.0).attenuation_of_radio(gigahertz * 1e9) == pytest.approx(k, rel=1e-3)
+    for rate in (0.25, 10.0, 150.0):
+        assert Conditions(rain=rate).attenuation_of_radio(gigahertz * 1e9) == pytest.approx(k * rate**alpha, rel=2e-3)
+    assert Conditions(fog=50.0).attenuation_of_radio(gigahertz * 1e9) == 0.0
 
 
 @pytest.mark.parametrize("rate", [2.0, 12.0, 50.0])
@@ -144,14 +154,14 @@ def test_gusts_have_the_spectrum_of_dryden():
     """MIL-F-8785C: 2 s^2 T / pi / (1 + (T w)^2) along the wind; s^2 T / pi (1 + 3 (T w)^2) / (1 + (T w)^2)^2 across."""
     period, speed = 0.05, 20.0
     random = np.random.default_rng(3)
-    filters, outputs = np.zeros(5), []
+    filters, series = np.zeros(5), []
     for white in random.standard_normal((200_000, 3)):
-        filters, output = turbulence(filters, white, period, speed)
-        outputs.append(output)
-    outputs = np.array(outputs)
-    assert outputs.std(axis=0) == pytest.approx(1.0, abs=0.06)
+        filters = turbulence(filters, white, period, speed)
+        series.append(outputs(filters))
+    gusts = np.array(series)
+    assert gusts.std(axis=0) == pytest.approx(1.0, abs=0.06)
     size = 4096
-    blocks = outputs[: len(outputs) // size * size].reshape(-1, size, 3)
+    blocks = gusts[: len(gusts) // size * size].reshape(-1, size, 3)
     window = np.hanning(size)[None, :, None]
     power = (np.abs(np.fft.rfft(blocks * window, axis=1)) ** 2).mean(axis=0) * 2.0 * period / np.sum(window**2)
     frequencies = np.fft.rfftfreq(size, period)
@@ -163,6 +173,49 @@ def test_gusts_have_the_spectrum_of_dryden():
         band = slice(4, 400)  # below a tenth of the rate
         ratio = power[band, axis].reshape(-1, 36).mean(axis=1) / expected[band].reshape(-1, 36).mean(axis=1)
         assert ratio == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize("mean", [(0.2, 0.1, 0.0), (3.0, 0.0, 4.0), (0.0, 0.0, 5.0), (-3.0, 4.0, 0.0)])
+def test_gusts_are_as_strong_in_light_and_in_rising_wind(load: Load, mean):
+    """The standard deviation is that of the script, whatever the mean wind is; its direction has the length 1."""
+    simulation = load(f"robot = FakeRobot()\nenv = Environment('empty')\nenv.weather(wind={mean}, gusts=2.0)\n")
+    context = simulation.context
+    weather = next(one for one in context.service_objects if one.name() == "weather")
+    for state in ([1.0, 0.0, 0.0, 0.0, 0.0], [0.6, 0.3, -0.2, 0.1, 0.4]):
+        weather.set_state({**weather.get_state(), "gusts": state})
+        along, across, up = outputs(np.array(state))
+        gust = np.array(wind(context)) - np.array(wind(context, gusts=False))
+        assert math.hypot(*gust[:2]) == pytest.approx(2.0 * math.hypot(along, across))
+        assert gust[2] == pytest.approx(2.0 * 0.552 * up)
+
+
+def test_components_read_the_wind_of_the_weather_and_of_the_environment(load: Load):
+    """It follows services, and is calm as soon as the weather is."""
+    simulation = load(
+        """
+robot = FakeRobot()
+env = Environment("empty")
+env.properties(wind_x=1.0, wind_y=-0.5)
+env.weather(wind=(3.0, 1.0, 0.5), gusts="dryden")
+""",
+        sockets=True,
+    )
+    context = simulation.context
+    weather = next(one for one in context.service_objects if one.name() == "weather")
+    assert wind(context, gusts=False) == (4.0, 0.5, 0.5)
+    simulation.step(60)
+    gusty = wind(context)
+    assert gusty != wind(context, gusts=False)
+    state = simulation.save()
+    simulation.step(30)
+    assert wind(context) != gusty
+    simulation.restore(state)
+    assert wind(context) == gusty
+    weather.set({"wind": [0.0, -2.0], "gusts": 0.0})
+    simulation.step(2)
+    assert wind(context) == (1.0, -2.5, 0.0)
+    simulation.restart()
+    assert wind(context, gusts=False) == (4.0, 0.5, 0.5)
 
 
 def test_wind_carries_a_body_that_flies_and_not_one_that_stands(load: Load):

@@ -38,8 +38,15 @@ _DECIBEL = math.log(10.0) / 10.0
 _OPAQUE = 300.0
 #: number of distances in a table
 _STEPS = 513
-#: coefficients k, alpha of P.838-3 for horizontal polarisation, by frequency in GHz
-_RADIO = {24.0: (0.1425, 0.9971), 77.0: (1.1276, 0.7073), 79.0: (1.1561, 0.7038)}
+#: coefficients a, b, c of log10 k and of alpha in P.838-3, equations (2) and (3), for horizontal polarisation
+_LOG_K = (
+    (-5.33980, -0.10008, 1.13098), (-0.35351, 1.26970, 0.45400), (-0.23789, 0.86036, 0.15354),
+    (-0.94158, 0.64552, 0.16817),
+)  # fmt: skip
+_ALPHA = (
+    (-0.14318, 1.82442, -0.55187), (0.29591, 0.77564, 0.19822), (0.32177, 0.63773, 0.13164),
+    (-5.37610, -0.96230, 1.47828), (16.1721, -3.29980, 3.43990),
+)  # fmt: skip
 #: mass extinction of mineral dust in visible light, m^2/g (J. Hand, W. Malm, J. Geophysical Research 112 (2007))
 _DUST = 0.6
 
@@ -88,13 +95,17 @@ class Conditions:
         return fog + _DECIBEL / 1000.0 * (_rain(self.rain) + _snow(self.snow, wavelength)) + _DUST * self.dust
 
     def attenuation_of_radio(self, frequency: float) -> float:
-        """Return the specific attenuation of a radar by rain, dB/km, one way.
+        """Return the attenuation of radio waves by rain, dB/km, one way, for horizontal polarisation.
 
         Args:
-            frequency: 24, 77 or 79 GHz.
+            frequency: Hz; beyond 1 GHz to 1 THz, for which the Recommendation holds, that of the nearer end.
         """
-        k, alpha = _RADIO[frequency]
-        return float(k * self.rain**alpha)
+        if not self.rain:
+            return 0.0
+        x = math.log10(min(max(frequency / 1e9, 1.0), 1000.0))
+        log_k = sum(a * math.exp(-(((x - b) / c) ** 2)) for a, b, c in _LOG_K) - 0.18961 * x + 0.71147
+        alpha = sum(a * math.exp(-(((x - b) / c) ** 2)) for a, b, c in _ALPHA) + 0.67849 * x - 1.95537
+        return float(10.0**log_k * self.rain**alpha)
 
     @property
     def is_clear(self) -> bool:

@@ -13,6 +13,7 @@ from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.services import service
 from morse.core.validation.arguments import Range
+from morse.helpers.air import Air
 from morse.mathutils.portable import matmul
 from morse.plugins.weather import PROPERTY, checked
 from morse.plugins.weather.medium import Conditions
@@ -61,7 +62,8 @@ class Weather(AbstractObject):
         self._context = context
         self._plan: list[tuple[float, Conditions]] = []
         self.conditions = _CLEAR
-        self.gust = np.zeros(3)
+        self._air = context.server(Air)
+        self._air.radio_loss = lambda frequency: self.conditions.attenuation_of_radio(frequency)
         self._filters = np.zeros(5)
         #: cross-sections of robots along their axes, m^2; by the robot, because another one may get its name
         self._areas: WeakKeyDictionary[Carrier, np.ndarray] = WeakKeyDictionary()
@@ -79,8 +81,8 @@ class Weather(AbstractObject):
         for time, values in script["later"]:
             conditions = conditions.changed(values)
             self._plan.append((time, conditions))
-        self.conditions = self._plan[0][1]
-        self.gust, self._filters = np.zeros(3), np.zeros(5)
+        self._filters = np.zeros(5)
+        self._change_to(self._plan[0][1])
 
     @service
     def set(self, values: dict[str, object], seconds: Duration = 0.0) -> dict[str, object]:
@@ -116,18 +118,27 @@ class Weather(AbstractObject):
         if len(self._plan) > 1 and self._plan[1][0] > self._plan[0][0]:
             after = self._plan[1]
             share = (time - before[0]) / (after[0] - before[0])
-            self.conditions = before[1].mixed(after[1], share)
+            self._change_to(before[1].mixed(after[1], share))
         else:
-            self.conditions = before[1]
+            self._change_to(before[1])
+
+    def _change_to(self, conditions: Conditions) -> None:
+        self.conditions = conditions
+        self._air.wind = conditions.wind
+        # the gusts follow from the filters, also those of a restored state
+        along, across, up = outputs(self._filters)
+        flat = math.hypot(*conditions.wind[:2])
+        x, y = (part / flat for part in conditions.wind[:2]) if flat else (1.0, 0.0)
+        gust = (along * x - across * y, along * y + across * x, _UP * up)
+        self._air.gust = tuple(conditions.gusts * part for part in gust)  # type: ignore[assignment]
 
     def _blow(self) -> None:
         conditions, period = self.conditions, self._context.clock.period
         speed = max(math.hypot(*conditions.wind), 1.0)
         random = self._context.random_at("weather/gusts", self._context.clock.tick)
-        self._filters, (along, across, up) = turbulence(self._filters, random.standard_normal(3), period, speed)
-        x, y = (part / speed for part in conditions.wind[:2]) if any(conditions.wind[:2]) else (1.0, 0.0)
-        self.gust = conditions.gusts * np.array([along * x - across * y, along * y + across * x, _UP * up])
-        wind = np.asarray(conditions.wind) + self.gust
+        self._filters = turbulence(self._filters, random.standard_normal(3), period, speed)
+        self._change_to(conditions)
+        wind = np.asarray(conditions.wind) + np.asarray(self._air.gust)
         parts = self._context.components.values()
         drags: dict[object, Drag] = {one.robot_parent: one for one in parts if isinstance(one, Drag)}
         for robot in self._context.robots.values():
@@ -170,10 +181,8 @@ class Weather(AbstractObject):
         return np.array([y * z, x * z, x * y])
 
 
-def turbulence(
-    filters: np.ndarray, white: np.ndarray, period: float, speed: float
-) -> tuple[np.ndarray, tuple[float, float, float]]:
-    """Return the next state of the filters, and the turbulence along the wind, across it, and upward.
+def turbulence(filters: np.ndarray, white: np.ndarray, period: float, speed: float) -> np.ndarray:
+    """Return the next state of the filters, whose `outputs` are the turbulence.
 
     The forming filters of Dryden: 1 / (1 + T s) along the wind, (1 + sqrt(3) T s) / (1 + T s)^2 for the others, with
     the time T = length / speed. The standard deviation of each output is 1.
@@ -191,11 +200,14 @@ def turbulence(
     v_new, w_new = keep * v + kick * white[1], keep_up * w + kick_up * white[2]
     v_slow = keep * v_slow + (1.0 - keep) * 0.5 * (v + v_new)
     w_slow = keep_up * w_slow + (1.0 - keep_up) * 0.5 * (w + w_new)
-    u = keep * u + kick * white[0]
-    across, up = (
-        (_ROOT * fast + (1.0 - _ROOT) * slow) / math.sqrt(2.0) for fast, slow in ((v_new, v_slow), (w_new, w_slow))
-    )
-    return np.array([u, v_new, v_slow, w_new, w_slow]), (float(u), float(across), float(up))
+    return np.array([keep * u + kick * white[0], v_new, v_slow, w_new, w_slow])
+
+
+def outputs(filters: np.ndarray) -> tuple[float, float, float]:
+    """Return the turbulence along the wind, across it, and upward: numbers with the standard deviation 1."""
+    u, v, v_slow, w, w_slow = filters
+    across, up = ((_ROOT * fast + (1.0 - _ROOT) * slow) / math.sqrt(2.0) for fast, slow in ((v, v_slow), (w, w_slow)))
+    return float(u), float(across), float(up)
 
 
 def _described(conditions: Conditions) -> dict[str, object]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
+from morse.helpers.air import wind
 from morse.helpers.components import add_data, add_property
 from morse.mathutils.portable import exp
 from morse.plugins.senses.scanning import number_of
@@ -30,8 +31,9 @@ class GasSensor(Sensor):
     with the wind, and with a velocity of its own, whose deviation is ``turbulence``; its gas has the distribution
     of diffusion: C = m (4 π D t)^(-3/2) exp(-r² / 4 D t). Without turbulence, many puffs are the plume of a point
     source in a uniform wind, Q / (4 π D r) exp(-u (r - x) / 2 D) (J. Crank, "The Mathematics of Diffusion", section
-    3.3; O. Sutton, "Micrometeorology", 1953). The wind is ``wind_x`` and ``wind_y`` (m/s) of the properties of the
-    environment. The puffs depend on the seed and their number alone: all sensors find the same plume.
+    3.3; O. Sutton, "Micrometeorology", 1953). The wind is the present mean wind of the weather, plus ``wind_x`` and
+    ``wind_y`` (m/s) of the properties of the environment. The puffs depend on the seed and their number alone: all
+    sensors find the same plume.
     """
 
     _name = "Gas sensor"
@@ -63,24 +65,18 @@ class GasSensor(Sensor):
         ages = now - numbers * self.interval
         fresh = ages > 0.0
         numbers, ages = numbers[fresh], ages[fresh]
-        wind = np.array([self._wind("wind_x"), self._wind("wind_y"), 0.0])
+        air = np.array(wind(self.context, gusts=False))
         position = np.array(self.bge_object.world_pose()[0])
         total = 0.0
         for source in sources(self, "gas_source"):
             rate = number_of(source.body, "gas_source", 0.0, high=1e9)
             away = position - np.array(source.body.world_pose()[0])
-            drift = wind + self.turbulence * self._velocities(source.body.name, numbers)
+            drift = air + self.turbulence * self._velocities(source.body.name, numbers)
             gap = away - drift * ages[:, None]
             width = 4.0 * self.diffusion * ages
             share = exp(-np.minimum((gap[:, 0] ** 2 + gap[:, 1] ** 2 + gap[:, 2] ** 2) / width, 700.0))
             total += float((rate * self.interval * share / (math.pi * width * np.sqrt(math.pi * width))).sum())
         self.local_data["concentration"] = total
-
-    def _wind(self, name: str) -> float:
-        value = self.context.scene.properties.get(name, 0.0)
-        if isinstance(value, (int, float)) and math.isfinite(value):
-            return min(max(float(value), -1e3), 1e3)
-        return 0.0
 
     def _velocities(self, source: str, numbers: NDArray[np.int64]) -> Floats:
         """Return standard normal numbers (N, 3) that depend on the seed, the source and the number of each puff."""

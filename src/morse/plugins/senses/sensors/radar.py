@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.helpers.air import Air
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.mathutils.portable import arccos, arctan2, exp, log10
 from morse.plugins.senses.scanning import (
@@ -87,6 +88,8 @@ class Radar(ScanningSensor):
     1968), and the share d of a Lambert surface. s is half the roughness of the material, and d its roughness; |R|²
     is 1 for metal and 0.3 otherwise, or the property ``radar_reflectivity`` of the object. An object with the property
     ``radar_cross_section`` (m²), or ``radar_corner``, the edge of a trihedral corner (m), reflects like a point.
+
+    Rain weakens echoes there and back; a receiver does not know it, so that the reported cross-section falls as well.
 
     Velocities are positive if the target moves away. The first velocity beyond ``max_velocity`` appears at its
     negative, as in a real radar. Without ``errors``, the noise of the map is its mean, and detections are exact.
@@ -215,6 +218,9 @@ class Radar(ScanningSensor):
         """Measure the map and the detections."""
         echoes = np.concatenate([self._surfaces(self.scan()), self._points()])
         echoes[:, 4] *= self._constant() / np.maximum(echoes[:, 0], 0.1) ** 4
+        if loss := self.context.server(Air).radio_loss(self.carrier):
+            # there and back; dB/km as an exponent of one metre
+            echoes[:, 4] *= exp(-2.0 * loss * math.log(10.0) / 1e4 * echoes[:, 0])
         self.local_data["map"] = self._map(echoes)
         self.local_data["detections"] = self._detections(echoes)
 
