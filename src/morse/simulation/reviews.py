@@ -45,14 +45,15 @@ class Fallen:
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._reports: WeakSet[Robot] = WeakSet()
-        self._first = self._next = self._last = 0
+        self._first = self._next = 0
+        self._loaded = simulation.loaded
         self._bottom, self._has_floor = lowest_shape(simulation.world)
 
     def review(self, tick: int, changed: bool) -> int:
         """Check some robots; see `morse.simulation.ticks.ticking.Ticker.reviews`."""
-        if tick < self._last:
-            self._reports.clear()  # a restart: the same robots begin again
-        self._last = tick
+        if self._loaded is not self._simulation.loaded:
+            self._loaded = self._simulation.loaded
+            self._reports.clear()  # a restart, with the same robots
         if changed:
             self._next = tick
         if tick < self._next:

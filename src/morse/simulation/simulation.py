@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import os
+from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
@@ -512,6 +513,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
                 obj.restart()
             if renews:
                 self._launch.renew()
+                self.loaded = replace(self.loaded)  # what is known of the components holds no more
                 self._ticker.begin_anew()
                 self.context.failed.clear()
             else:
