@@ -407,3 +407,24 @@ def test_a_package_brings_a_middleware(tmp_path: Path) -> None:
     assert {"'pigeon'", "'ros2'", "'socket'"} <= set(names)
     assert not {"'broken'", "'wrong'"} & set(names)
     logging.getLogger(__name__).debug(run.stderr)
+
+
+def test_a_manager_gets_the_defaults_of_its_description(tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "lab.py").write_text(
+        "from morse.core.datastream import DatastreamManager\nfrom morse.core.declarations import Option\n"
+        "from morse.core.mapping import maps\nfrom morse.middleware.registry import Middleware\n"
+        "OPTIONS = {'gain': Option(float, 2.0, 'gain'), 'unit': Option(str, 'm', 'unit')}\n"
+        "MIDDLEWARE = Middleware('crate', stream_manager='lab.Crates', manager_options=OPTIONS, needs_network=False)\n"
+        "class Crates(DatastreamManager):\n"
+        "    @maps('general')\n"
+        "    def general(self, stream, message):\n        print(sorted(self.options.items()))\n"
+    )
+    (tmp_path / "pyproject.toml").write_text('[project.entry-points."morse.middlewares"]\ncrate = "lab:MIDDLEWARE"\n')
+    (tmp_path / "scene.py").write_text(
+        "from morse.builder import *\nrobot = FakeRobot()\npose = Pose()\npose.add_stream('crate')\n"
+        "robot.append(pose)\nenv = Environment('empty')\nenv.configure_stream_manager('crate', unit='cm')\n"
+    )
+    program = f"import morse\nwith morse.load({str(tmp_path / 'scene.py')!r}, sockets=False) as s:\n    s.step(3)\n"
+    run = python("-c", f"import sys; sys.path.insert(0, {str(tmp_path / 'src')!r})\n{program}")
+    assert "[('gain', 2.0), ('unit', 'cm')]" in run.stdout, run.stderr

@@ -232,6 +232,24 @@ def test_doctor_lists_the_project_in_this_folder(simulated_packages: Path):
     assert "zenoh (middleware, lab.zenoh:MIDDLEWARE): routers of Zenoh\n" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("group", "point", "said"),
+    [
+        ("formats", 'urdf = "lab:read"', "is left out: files .urdf are MORSE's"),
+        ("formats", '".grid" = "lab:read"', "is left out: '.grid' is no suffix of files; write it without a point"),
+        ("formats", 'grid = "lab:NUMBER"', "cannot be loaded: TypeError: it is 3, expected a function"),
+        ("middlewares", 'pigeon = "lab:NUMBER"', "cannot be loaded: TypeError: it is 3, expected a morse.middleware"),
+    ],
+)
+def test_doctor_calls_nothing_ready_that_is_not_used(tmp_path: Path, group: str, point: str, said: str):
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "lab.py").write_text("NUMBER = 3\ndef read(path):\n    return None\n")
+    (tmp_path / "pyproject.toml").write_text(f'[project.entry-points."morse.{group}"]\n{point}\n')
+    done = run("-m", "morse", "doctor", folder=tmp_path, path=SOURCES)
+    assert f"needs nothing else; {said}" in done.stdout
+    assert done.returncode == 1
+
+
 @pytest.fixture
 def simulated_packages(tmp_path: Path) -> Path:
     """A project with a middleware that lacks a package, and a reader that cannot be loaded."""

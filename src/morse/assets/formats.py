@@ -14,6 +14,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from morse.core.classes.plugins import PluginError, entry_points, load
@@ -22,7 +23,6 @@ from morse.system import OF_MACHINE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from importlib.metadata import EntryPoint
-    from pathlib import Path
 
     from morse.scene import Library
 
@@ -74,21 +74,33 @@ class UnsupportedFormatError(ValueError):
 
 def suffixes() -> tuple[str, ...]:
     """The suffixes of the files that can be read, the preferred one first: those of packages and plug-ins."""
-    return (*_of_packages(entry_points("morse.formats")), *_READERS)
+    return (*_of_packages(entry_points("morse.formats"))[0], *_READERS)
 
 
 @lru_cache(maxsize=8)
-def _of_packages(points: tuple[EntryPoint, ...]) -> dict[str, EntryPoint]:
-    """The entry points by suffix, without those of scene scripts and of files that have a reader already."""
+def _of_packages(points: tuple[EntryPoint, ...]) -> tuple[dict[str, EntryPoint], dict[EntryPoint, str]]:
+    """The entry points by suffix; and those that are left out, with the reason."""
     found: dict[str, EntryPoint] = {}
+    left_out: dict[EntryPoint, str] = {}
     for point in points:
         suffix = f".{point.name.lower()}"
-        if suffix == ".py" or suffix in _READERS or suffix in found:
-            whose = f"files {suffix} have {found[suffix].value}" if suffix in found else f"files {suffix} are MORSE's"
-            logger.warning("the reader %s of a package is left out: %s", point.value, whose, extra=OF_MACHINE)
+        if suffix in found:
+            left_out[point] = f"files {suffix} have {found[suffix].value}"
+        elif suffix == ".py" or suffix in _READERS:
+            left_out[point] = f"files {suffix} are MORSE's"
+        elif Path(f"model{suffix}").suffix != suffix:
+            near = point.name.strip(".").rpartition(".")[2]
+            left_out[point] = f"'{point.name}' is no suffix of files; write it without a point, such as '{near}'"
         else:
             found[suffix] = point
-    return found
+    for point, reason in left_out.items():
+        logger.warning("the reader %s of a package is left out: %s", point.value, reason, extra=OF_MACHINE)
+    return found, left_out
+
+
+def why_left_out(point: EntryPoint) -> str:
+    """Why files are not read by the reader that an entry point names; empty if they are."""
+    return _of_packages(entry_points("morse.formats"))[1].get(point, "")
 
 
 def is_model(path: Path) -> bool:
@@ -115,9 +127,9 @@ def model_format(path: Path) -> ModelFormat:
     if (entry := _READERS.get(suffix)) is not None:
         module, function = entry.split(":")
         return ModelFormat(cast("Callable[[Path], Library]", getattr(import_module(module), function)))
-    if (point := _of_packages(entry_points("morse.formats")).get(suffix)) is not None:
+    if (point := _of_packages(entry_points("morse.formats"))[0].get(suffix)) is not None:
         try:
-            return load(point, _as_format)
+            return load(point, as_format)
         except PluginError as error:
             raise UnsupportedFormatError(
                 f"'{path}': the reader of an installed package ({point.value}) cannot be loaded: {error}"
@@ -129,7 +141,12 @@ def model_format(path: Path) -> ModelFormat:
     )
 
 
-def _as_format(found: object) -> ModelFormat:
+def as_format(found: object) -> ModelFormat:
+    """What an entry point names, as a description.
+
+    Raises:
+        TypeError: it is neither a description nor a function.
+    """
     if isinstance(found, ModelFormat):
         return found
     if not callable(found):

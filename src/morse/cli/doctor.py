@@ -7,13 +7,14 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from morse.assets.formats import ModelFormat, as_format, why_left_out
 from morse.core.classes.plugins import PluginError, entry_points, load, use_project_here
 from morse.core.reports.printing import echo
-from morse.middleware.registry import Middleware
+from morse.middleware.registry import Middleware, as_middleware
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from importlib.metadata import EntryPoint
 
 #: what the entry points of each group bring
@@ -31,6 +32,8 @@ _GROUPS = {
     "morse.environment": "method of the environment",
     "morse.commands": "command",
 }
+#: groups whose entry points have to name objects of a class
+_USES: dict[str, Callable[[object], object]] = {"morse.middlewares": as_middleware, "morse.formats": as_format}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +48,7 @@ class Plugin:
         needs: the Python modules of others that it uses.
         lacks: what is missing, so that it cannot be used; empty if it can.
         install: the command that installs what is missing.
-        is_broken: whether it cannot even be loaded.
+        is_broken: whether it cannot be loaded, or is left out.
     """
 
     name: str
@@ -77,9 +80,12 @@ def plugins() -> Iterator[Plugin]:
 
 def _examined(point: EntryPoint, brings: str) -> Plugin:
     try:
-        found: object = load(point, lambda entry: entry)
+        found = load(point, _USES.get(point.group, lambda entry: entry))
     except PluginError as error:
         reason = f"cannot be loaded: {error}"
+        return Plugin(point.name, brings, point.value, lacks=reason, is_broken=True)
+    if isinstance(found, ModelFormat) and (why := why_left_out(point)):
+        reason = f"is left out: {why}"
         return Plugin(point.name, brings, point.value, lacks=reason, is_broken=True)
     if not isinstance(found, Middleware):
         return Plugin(point.name, brings, point.value, getattr(found, "purpose", ""))
@@ -100,7 +106,7 @@ def command() -> int:
     """List the plug-ins of this installation, what each needs, and the line that installs it.
 
     Plug-ins are those of MORSE, of installed packages and of the project in this folder. The status is 1 if one of them
-    cannot be loaded. `morse check` examines the installation itself.
+    cannot be loaded, or is left out. `morse check` examines the installation itself.
     """
     echo("\n".join(version_lines()))
     return 1 if any(plugin.is_broken for plugin in plugins()) else 0

@@ -58,7 +58,7 @@ class Clock:
         return f"<Clock at tick {self.tick}, {self.time:.6g} s; {self.frequency:.6g} Hz>"
 
     def advance(self, ticks: int = 1) -> None:
-        """Begin the next tick."""
+        """Complete a tick, or several."""
         own = self._own
         own["tick"] = tick = self.tick + ticks
         own["time"] = self._origin + tick / self.frequency
@@ -121,7 +121,6 @@ class Clock:
     def restart(self) -> None:
         """Return to tick 0."""
         self.go_to(0)
-        self._wall = self._start = None
         self._samples = 0
         self._mean = self._square = 0.0
 

@@ -92,10 +92,8 @@ class DatastreamManager(Observer):
     """
 
     classpath: str = ""
-    #: options of ``env.configure_stream_manager``; None: any option
+    #: options of ``env.configure_stream_manager``; None: those of the description of the middleware
     manager_options: ClassVar[Mapping[str, Option] | None] = None
-    #: options of ``add_stream``; None: any option
-    stream_options: ClassVar[Mapping[str, Option] | None] = None
     #: whether a component has one message with all of its fields, instead of one for each of its kinds
     by_component: ClassVar[bool] = False
     _mapped: ClassVar[dict[tuple[str, str], str]] = {}

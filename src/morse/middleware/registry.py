@@ -56,7 +56,8 @@ class Middleware:
         name: its name in scene scripts.
         stream_manager: manages data streams (`morse.core.datastream.DatastreamManager`), or None.
         request_manager: offers services, or None.
-        manager_options: options of ``env.configure_stream_manager``; None if the manager validates them itself.
+        manager_options: options of ``env.configure_stream_manager``, whose defaults the manager gets; None if it
+            declares or validates them itself.
         stream_options: options of ``add_stream``; None if the streams validate them themselves.
         default_publisher: the class of the streams of sensors. The usual class sends message kinds by the methods
             that the stream manager marks with `morse.core.mapping.maps`.
@@ -161,14 +162,19 @@ def _is_installed(module: str) -> bool:
 
 def _brought(point: EntryPoint) -> Middleware:
     try:
-        return load(point, _checked)
+        return load(point, as_middleware)
     except PluginError as error:
         raise MorseMiddlewareError(
             f"the middleware '{point.name}' of an installed package ({point.value}) cannot be loaded: {error}"
         ) from None
 
 
-def _checked(entry: object) -> Middleware:
+def as_middleware(entry: object) -> Middleware:
+    """What an entry point names.
+
+    Raises:
+        TypeError: it is no description of a middleware.
+    """
     if not isinstance(entry, Middleware):
         raise TypeError(f"it is {entry!r:.80}, expected a morse.middleware.registry.Middleware")
     return entry

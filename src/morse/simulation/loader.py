@@ -22,7 +22,8 @@ from morse.core.kinds import findings_of
 from morse.core.reports.faults import ENDINGS, attribute, describe, is_a, name_of, trace_of
 from morse.core.robot import Robot
 from morse.core.rows.marks import Unclaimed
-from morse.middleware.registry import needs_network
+from morse.core.validation.fields import with_defaults
+from morse.middleware.registry import middleware_of_stream_manager, needs_network
 from morse.scene import ModifierDeclaration
 from morse.scene.component import RealismModel
 from morse.scene.scene_warnings import about
@@ -402,6 +403,9 @@ def make_stream_manager(context: Context, classpath: str) -> Middleware:
     options = dict(context.scene.manager_options.get(classpath, {}))
     with _starting(f"the stream manager {classpath}"):
         cls: Any = load_class(classpath)
+        description = middleware_of_stream_manager(classpath)
+        if description is not None and description.manager_options and getattr(cls, "manager_options", None) is None:
+            options = with_defaults(description.manager_options, options)
         # those of MORSE 1.4 take (args, kwargs), of which the second are the options
         is_of_1_4 = list(inspect.signature(cls).parameters)[1:2] == ["kwargs"]
         manager: Middleware = cls(context, options) if is_of_1_4 else cls(options, context)

@@ -219,7 +219,6 @@ class NmeaManager(DatastreamManager):
     """
 
     manager_options = MANAGER_OPTIONS
-    stream_options = STREAM_OPTIONS
 
     def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
