@@ -216,6 +216,12 @@ def test_states_and_rows_agree(load: Load, tmp_path, text: str):
         ("Lift(levels=range(0, 5000, 5))", "2 to 100 heights"),
         ("Lift(speed=1e9)", "Lift(speed)"),
         ("Lift(size=(2.0, float('inf')))", "Lift(size)"),
+        ("Lift(size=(2.0,))", "takes two numbers, depth and width, got 1"),
+        ("Lift(size=3.0)", "Lift(size) takes several numbers"),
+        ("Lift(levels=5)", "Lift(levels) takes several numbers"),
+        ("Lift(levels=__import__('itertools').count())", "2 to 100 heights"),
+        ("Lift(levels=(0.0, 10**400))", "Lift(levels) takes a finite number"),
+        ("Door(width=10**400)", "Door(width) takes a finite number"),
     ],
 )
 def test_mistakes_are_named(tmp_path, call: str, words: str):
@@ -241,3 +247,52 @@ for number, door in enumerate(doors):
 env = Environment("empty")
 """
     assert len(load(scene).context.robots) == 20
+
+
+@pytest.mark.parametrize("kind", ["hinged", "sliding", "double"])
+def test_a_door_does_not_close_on_the_rear_of_a_robot(load: Load, kind: str):
+    """The rear of an ATRV is 0.57 m behind its middle."""
+    simulation = load(DOOR.format(arguments=f"kind={kind!r}, width=1.6, hold=0.2"))
+    door, robot = (simulation.context.robots[name] for name in ("door", "robot"))
+    simulation.robot.motion.set_speed(1.0, 0.0)
+
+    def is_through() -> bool:
+        door.open()
+        return robot.position_3d.x > 0.5
+
+    until(simulation, is_through)
+    simulation.robot.motion.set_speed(0.0, 0.0)
+    begin = tuple(robot.bge_object.worldPosition)
+    simulation.step(300)
+    assert door.local_data["state"] == "open"
+    assert tuple(robot.bge_object.worldPosition) == pytest.approx(begin, abs=1e-3)
+    simulation.robot.motion.set_speed(1.0, 0.0)
+    until(simulation, lambda: door.local_data["state"] == "closed")
+
+
+def test_panels_are_turned_with_their_door(load: Load):
+    scene = DOOR.format(arguments="")
+    simulation = load(scene.replace("env =", "door.rotate(x=1.5707963267948966, z=0.5)\ndoor.translate(z=2.0)\nenv ="))
+    world = simulation.context.world
+    (panel,) = (one for name, one in world.objects_by_name.items() if "panel" in name)
+    turn = simulation.context.robots["door"].bge_object.world_pose()[1]
+    assert panel.world_pose()[1] == pytest.approx(turn, abs=1e-6)
+
+
+def test_properties_of_clients_change_no_panels(load: Load):
+    """What the panels were made for stays, also after a restart."""
+    scene = DOOR.format(arguments="automatic=2.0")
+    simulation = load(scene.replace("env =", "lift = Lift()\nlift.translate(y=9.0)\nenv ="))
+    for name, value in (("Kind", "double"), ("Width", 5.0), ("Height", 9.0)):
+        simulation.door.set_property(name, value)
+    simulation.lift.set_property("Levels", "[1, 2, 3, 4]")
+    simulation.lift.set_property("Size", "[]")
+    simulation.door.open()
+    simulation.lift.call(1)
+    simulation.step(200)
+    assert simulation.door.data["state"] == "open"
+    state = simulation.save()
+    simulation.restore(state)
+    simulation.reset()
+    simulation.step(10)
+    assert not simulation.failures

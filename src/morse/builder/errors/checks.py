@@ -80,7 +80,8 @@ def number(
         value = compatibility.value_of_today("number", value, what)
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError(f"{what} takes a number, got {shown(value)}")
-    result = float(value)
+    # an integer of more bits is greater than all floats
+    result = math.inf if isinstance(value, int) and value.bit_length() > 1000 else float(value)
     if math.isnan(result) or (math.isinf(result) and not infinite):
         raise ValueError(f"{what} takes a finite number, got {result}")
     if minimum is not None and result < minimum:

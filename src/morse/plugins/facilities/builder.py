@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from itertools import pairwise
+from collections.abc import Iterable
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
 from morse.builder import workspace
@@ -12,8 +13,6 @@ from morse.builder.errors import checks
 from morse.plugins.facilities.panels import door_places, lift_places, panel
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from morse.scene import Node
 
 _KINDS = ("hinged", "sliding", "double")
@@ -95,12 +94,17 @@ class Lift(Robot):
         acceleration: float = 0.8,
         hold: float = 5.0,
     ) -> None:
-        floors = [checks.number(level, "Lift(levels)") for level in levels]
+        floors = [checks.number(level, "Lift(levels)") for level in _several(levels, "levels", "(0.0, 3.5)")]
         if not 2 <= len(floors) <= _MOST_LEVELS or floors[0] != 0.0:
             raise ValueError(
                 f"Lift(levels) takes 2 to {_MOST_LEVELS} heights of which the first is 0, got {floors[:5]}"
             )
-        depth, width = (checks.number(value, "Lift(size)", minimum=0.8, maximum=50.0) for value in size)
+        sides = [
+            checks.number(one, "Lift(size)", minimum=0.8, maximum=50.0) for one in _several(size, "size", "(2, 2)")
+        ]
+        if len(sides) != 2:
+            raise ValueError(f"Lift(size) takes two numbers, depth and width, got {len(sides)}")
+        depth, width = sides
         tall = checks.number(height, "Lift(height)", minimum=1.0, maximum=20.0)
         if any(upper - lower < tall + 0.3 for lower, upper in pairwise(floors)):
             raise ValueError(
@@ -128,6 +132,12 @@ class Lift(Robot):
         for one, place in zip(cabin, lift_places(floors, (depth, width, tall), 0.0, 0.0).tolist(), strict=True):
             one.location = place
             _attach(self.scene_node, one)
+
+
+def _several(values: Iterable[float], name: str, example: str) -> list[float]:
+    if not isinstance(values, Iterable) or isinstance(values, str):
+        raise TypeError(f"Lift({name}) takes several numbers, such as {example}, got {checks.shown(values)}")
+    return list(islice(values, _MOST_LEVELS + 1))
 
 
 def _attach(parent: Node, child: Node) -> None:

@@ -12,7 +12,7 @@ from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.robot import Robot
 from morse.core.services import service
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import Facility, Panels, door_places, is_in_way
+from morse.plugins.facilities.panels import Facility, Panels, door_places
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
@@ -53,6 +53,8 @@ class Door(Robot, Facility):
         super().__init__(obj, parent)
         nodes = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
         self._panels = Panels(self.context, obj, nodes)
+        # read once, as the panels were made: clients may change properties while the simulation runs
+        self._made = self._kind, self._width, self._height
         self._until = -math.inf
         self._show()
 
@@ -81,7 +83,7 @@ class Door(Robot, Facility):
 
     def default_action(self) -> None:
         """Open, close or stay."""
-        data, half = self.local_data, 0.5 * self._width
+        data, half = self.local_data, 0.5 * self._made[1]
         openness = data["openness"]
         if openness == 0.0 and self._until < self.clock.time and not self._automatic:
             return
@@ -93,21 +95,21 @@ class Door(Robot, Facility):
         step = self.clock.period / self._duration
         if self._until >= self.clock.time:
             openness = min(openness + step, 1.0)
-        elif openness > 0.0 and not is_in_way(people, *self._swept()):
+        elif openness > 0.0 and not self._panels.is_in_way(people, *self._swept()):
             openness = max(openness - step, 0.0)
         if openness != data["openness"]:
             data["openness"] = openness
             self._show()
         data["state"] = "open" if openness == 1.0 else "closed" if openness == 0.0 else "moving"
 
-    def _swept(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The corners of the rectangle in which a panel moves."""
-        half = 0.5 * self._width
-        return (0.0, -half), (self._width if self._kind == "hinged" else 0.0, half)
+    def _swept(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """The corners of the box in which a panel moves."""
+        kind, width, height = self._made
+        return (0.0, -0.5 * width, 0.0), (width if kind == "hinged" else 0.0, 0.5 * width, height)
 
     def _show(self) -> None:
         openness = float(self.local_data["openness"])
-        self._panels.place(*door_places(self._kind, self._width, self._height, openness))
+        self._panels.place(*door_places(*self._made, openness))
 
     def set_state(self, state: StateData) -> None:
         """Restore a state, and the panels with it."""

@@ -14,7 +14,7 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import Facility, Panels, is_in_way, lift_places
+from morse.plugins.facilities.panels import Facility, Panels, lift_places
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
@@ -124,9 +124,12 @@ class Lift(Robot, Facility):
 
     def _shut(self) -> None:
         data = self.local_data
-        depth, width, _ = self._cabin
-        people = self._panels.present(data["height"])
-        if self.clock.time < self._until or is_in_way(people, (0.5 * depth, -0.5 * width), (0.5 * depth, 0.5 * width)):
+        if self.clock.time < self._until:
+            return
+        depth, width, tall = self._cabin
+        height, people = data["height"], self._panels.present(data["height"])
+        low, high = (0.5 * depth, -0.5 * width, height), (0.5 * depth, 0.5 * width, height + tall)
+        if self._panels.is_in_way(people, low, high):
             return
         data["openness"] = max(data["openness"] - self.clock.period / _DOORS, 0.0)
         data["state"] = "closing" if data["openness"] else "stopped"
