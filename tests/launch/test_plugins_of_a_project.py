@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import morse
+from morse import builder
 from morse.builder.errors import ScriptError
 from morse.core.classes.plugins import entry_points
 
@@ -150,6 +151,68 @@ def test_a_modifier_for_another_component_says_for_which(tmp_path: Path) -> None
     (tmp_path / "src/lab/changes/halved.py").write_text(HALVED.format(factor=0.5).replace('"Pose"', '"Poze"'))
     with pytest.raises(ScriptError, match="the modifier 'Halved' is for Poze, not for Pose"):
         morse.load(script)
+
+
+GLOW = """
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data
+
+class {name}(Sensor):
+    _name = "{name}"
+    add_data("level", {level}, "float", "Level")
+"""
+GLOWING = """
+{line}
+robot = FakeRobot()
+glow = {name}("glow")
+robot.append(glow)
+env = Environment("empty")
+"""
+
+
+def glowing(folder: Path, name: str, level: float, line: str, file: str) -> Path:
+    """The script of a project with a sensor, which the line imports."""
+    files = {
+        "pyproject.toml": '[project.entry-points."morse.components"]\nlab = "lab"\n',
+        "src/lab/__init__.py": "",
+        f"src/lab/{file}": GLOW.format(name=name, level=level),
+        "scene.py": GLOWING.format(name=name, line=line),
+    }
+    for path, text in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    return folder / "scene.py"
+
+
+@pytest.mark.parametrize("file", ["sensors/glow.py", "sensors/__init__.py", "sensors.py"])
+@pytest.mark.parametrize(
+    "line", ["from morse.builder import *", "from morse.builder import Environment, FakeRobot, Glow"]
+)
+def test_components_of_a_project_come_with_the_others(tmp_path: Path, line: str, file: str) -> None:
+    before = dict(vars(builder))
+    with morse.load(glowing(tmp_path, "Glow", 3.0, line, file)) as simulation:
+        simulation.step()
+        assert simulation.robot.glow.data["level"] == 3.0
+    assert dict(vars(builder)) == before
+
+
+def test_projects_with_packages_of_one_name_have_their_own_components(tmp_path: Path) -> None:
+    line = "from morse.builder import *"
+    for folder, name, level in (("a", "Glow", 1.0), ("b", "Glow", 2.0), ("c", "Gleam", 3.0)):
+        with morse.load(glowing(tmp_path / folder, name, level, line, "sensors/light.py")) as simulation:
+            simulation.step()
+            assert simulation.robot.glow.data["level"] == level
+    (tmp_path / "c/scene.py").write_text(GLOWING.format(name="Glow", line=line))
+    with pytest.raises(ScriptError, match="the name 'Glow' is not defined"):
+        morse.load(tmp_path / "c/scene.py")
+
+
+def test_no_component_of_a_project_hides_one_of_morse(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    script = glowing(tmp_path, "Pose", 1.0, "from morse.builder import *", "sensors/light.py")
+    with caplog.at_level(logging.WARNING), morse.load(script) as simulation:
+        simulation.step()
+        assert "x" in simulation.robot.glow.data
+    assert "Pose of the project is left out" in caplog.text
 
 
 def test_projects_with_packages_of_one_name_do_not_meet(tmp_path: Path) -> None:

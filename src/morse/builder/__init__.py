@@ -39,6 +39,7 @@ from morse.builder.data import Configuration
 from morse.builder.derive import installed_classes
 from morse.builder.environment import Environment
 from morse.builder.names.projects import ProjectFinder
+from morse.core.classes.plugins import entry_points
 from morse.core.exceptions import (
     BadSyntaxError,
     MorseBuilderBadSyntaxError,
@@ -70,7 +71,10 @@ for _module in (sensors, actuators, robots):
 
 ProjectFinder().install()
 
-for _name, _class in installed_classes(__name__).items():
+#: the packages whose components are among these names, and the names; a project brings others for its own code alone
+_points = entry_points("morse.components")
+_packaged = installed_classes(__name__)
+for _name, _class in _packaged.items():
     if _name in globals():
         logger.warning(
             "%s of an installed package is left out: MORSE has a class of that name", _name, extra=_OF_MACHINE
@@ -85,6 +89,6 @@ __all__ = [
     name
     for name, value in list(globals().items())
     if not name.startswith("_")
-    and name not in ("ProjectFinder", "annotations", "installed_classes")
+    and name not in ("ProjectFinder", "annotations", "entry_points", "installed_classes")
     and (name in _MODULES or not isinstance(value, type(sys)))
 ]

@@ -26,7 +26,8 @@ from morse.core.exceptions import MorseBuilderNoComponentError
 from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping
+    from importlib.metadata import EntryPoint
 
     from morse.builder.components.component import Component
     from morse.builder.names.catalog import Entry
@@ -84,15 +85,18 @@ def derived_classes(package: str, module: str) -> dict[str, type[Component]]:
     }
 
 
-def installed_classes(module: str) -> dict[str, type[Component]]:
+def installed_classes(module: str, besides: Collection[EntryPoint] = ()) -> dict[str, type[Component]]:
     """A builder class for each component of the packages that the entry points ``morse.components`` name.
 
     Args:
         module: module of the new classes.
+        besides: entry points that are left out.
     """
     classes: dict[str, type[Component]] = {}
     # a class of a user's package takes the place of one of the same name in a plug-in of MORSE
     for point in sorted(entry_points("morse.components"), key=lambda point: not point.value.startswith("morse.")):
+        if point in besides:
+            continue
         try:
             for kind in _CREATORS | {"robots": DeclaredRobot}:
                 classes |= attempt(partial(derived_classes, f"{point.value}.{kind}", module))
@@ -134,7 +138,7 @@ def _with_methods(classpath: str) -> Iterator[type[Component]]:
         yield _WITH_METHODS[classpath]
     package = classpath.rpartition(".")[0].rpartition(".")[0]
     if package.endswith((".sensors", ".actuators")):
-        for base in catalog.base_classes(package).get(classpath, ()):
+        for base in catalog.base_classes(package, classpath):
             yield from _with_methods(base)
 
 

@@ -16,6 +16,7 @@ from morse.assets import search
 from morse.assets.formats import is_model
 from morse.builder import compatibility, workspace
 from morse.builder.assembly.finalise import build_scene
+from morse.builder.derive import installed_classes
 from morse.builder.errors import ScriptError
 from morse.builder.errors.explain import explain
 from morse.builder.names import frames
@@ -92,7 +93,13 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
     words = compatibility.first("arguments", script, options.arguments, directories)
     modules = [entry.modules() for entry in compatibility.installed()]
 
+    builders: list[ModuleType] = []
+
     def as_imported(module: ModuleType) -> ModuleType:
+        if module.__name__ == "morse.builder":
+            if not builders:
+                builders.append(_with_components_of_project(module))
+            module = builders[0]
         for more in modules:
             module = more.as_imported(module)
         return module
@@ -215,6 +222,22 @@ def _run(script: Path, project: ProjectImports, code: CodeType | None) -> None:
     finally:
         sys.modules["__main__"] = before
     workspace.current().script = module
+
+
+def _with_components_of_project(builder: ModuleType) -> ModuleType:
+    """The names for scripts, with those of the components that the project on the import path declares.
+
+    The module of the process stays as it is: other scenes have other projects.
+    """
+    classes = installed_classes(builder.__name__, builder._points)
+    for name in [name for name in classes if hasattr(builder, name) and name not in builder._packaged]:
+        logger.warning("%s of the project is left out: MORSE has a class of that name", name)
+        del classes[name]
+    if not classes:
+        return builder
+    module = ModuleType(builder.__name__, builder.__doc__)
+    vars(module).update(vars(builder), **classes, __all__=list(dict.fromkeys([*builder.__all__, *classes])))
+    return module
 
 
 def _make_environment(model: Path) -> None:

@@ -133,9 +133,8 @@ class Entry:
     product: str | None = None
 
 
-@cache
 def components(package: str) -> dict[str, Entry]:
-    """The components of ``morse.sensors``, ``morse.actuators`` or ``morse.robots`` by name, sorted."""
+    """The components of a package such as ``morse.sensors`` or ``my_lab.robots`` by name, sorted."""
     entry_lists = (entry for module, definition in _definitions(package) for entry in entries(module, definition))
     return {entry.name: entry for entry in sorted(entry_lists, key=lambda entry: entry.name)}
 
@@ -160,17 +159,21 @@ def entries(module: str, definition: Definition, *, with_name: bool = False) -> 
         yield Entry(product["name"], classpath, _text(product, doc), attributes, product, product["name"])
 
 
-@cache
-def base_classes(package: str) -> dict[str, tuple[str, ...]]:
-    """The class paths of the base classes of each public class in the files of a package, by class path."""
-    return {
-        f"{module}.{definition.name}": tuple(resolve_name(base, module) for base in definition.bases)
-        for module, definition in _definitions(package)
-    }
+def base_classes(package: str, classpath: str) -> tuple[str, ...]:
+    """The class paths of the base classes of a public class of a package; empty if it has no such class."""
+    for module, definition in _definitions(package):
+        if f"{module}.{definition.name}" == classpath:
+            return tuple(resolve_name(base, module) for base in definition.bases)
+    return ()
 
 
-@cache
 def _definitions(package: str) -> tuple[tuple[str, Definition], ...]:
+    # projects in one process may have packages of the same name
+    return _own_definitions(package) if package.startswith("morse.") else tuple(classes(package))
+
+
+@cache
+def _own_definitions(package: str) -> tuple[tuple[str, Definition], ...]:
     return tuple(classes(package))
 
 
