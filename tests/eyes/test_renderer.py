@@ -784,3 +784,111 @@ def test_things_of_other_types_are_told(ask: Callable[[Any, Any], object], kind:
         renderer.update_scene(data)
         with pytest.raises(kind, match=re.escape(told)):
             ask(renderer, data)
+
+
+# -- against MuJoCo's OpenGL, by the equations that its pictures follow ----------------------
+
+
+def test_haze_is_from_the_border_of_the_plane_to_the_horizon_and_on_the_plane_before_it() -> None:
+    size, eye, far, ring = 1001, 1.0, 10.0, 0.3
+    xml = (
+        f'<mujoco><statistic extent="1" center="0 0 0"/><visual><global offheight="{size}" offwidth="{size}"/>'
+        f'<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/><map zfar="{far}" haze="{ring}"/>'
+        '<rgba haze="1 0 0 1"/></visual><asset><texture type="skybox" builtin="flat" rgb1="0 0 1" width="8" '
+        'height="48"/></asset><worldbody><geom type="plane" size="0 0 1" rgba="0 1 0 1"/>'
+        f'<camera name="c" pos="0 0 {eye}" xyaxes="1 0 0 0 0 1" fovy="90"/></worldbody></mujoco>'
+    )
+    column = _picture(xml, size=size, camera="c")[:, size // 2]
+    border = 0.7 * far
+    for slope in (-0.9, -0.3, -0.19, -0.165, -0.15, -0.13, -0.08, -0.03, -0.01, 0.02, 0.1, 0.25):
+        row = round(size / 2 - 0.5 - slope * size / 2)
+        slope = (size / 2 - 0.5 - row) / (size / 2)
+        distance = -eye / slope if slope < 0 else np.inf
+        if distance < border:
+            clear = (border - distance) / (ring * (distance + ring * border))
+        else:
+            clear = (eye + slope * border) / (eye - slope * ring * border) if slope < 0 else 1.0
+        clear = min(clear, 1.0)
+        behind = (0, 255 * clear, 0) if distance < border else (0, 0, 255 * clear)
+        assert column[row] == pytest.approx((255 * (1 - clear), *behind[1:]), abs=3), slope
+
+
+def test_planes_reach_to_the_far_plane_in_depths_and_end_before_the_sky_in_colors() -> None:
+    xml = (
+        '<mujoco><statistic extent="1" center="0 0 0"/><visual><map zfar="10"/></visual><asset>'
+        '<texture type="skybox" builtin="flat" rgb1="0 0 1" width="8" height="48"/>'
+        '<texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 .3 0" width="64" height="64"/>'
+        '<material name="m" texture="t" texrepeat="2 2"/></asset><worldbody>'
+        '<geom type="plane" size="0 0 1" material="m"/><camera name="c" pos="0 0 1" xyaxes="1 0 0 0 0 1" fovy="40"/>'
+        "</worldbody></mujoco>"
+    )
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 240, 64) as renderer:
+        renderer.update_scene(data, "c")
+        first = renderer.render()
+        renderer.enable_depth_rendering()
+        depth = renderer.render()
+        assert depth[depth < 9.99].max() > 9.0
+        renderer.disable_depth_rendering()
+        assert np.array_equal(renderer.render(), first)
+
+
+def test_only_surfaces_before_a_directional_light_cast_its_shadows() -> None:
+    # one mesh with a roof above the light, and a shelf below it on the other side
+    roof = "-1 -1 2 0 -1 2 0 1 2 -1 1 2"
+    shelf = "0 -1 .5 1 -1 .5 1 1 .5 0 1 .5"
+    xml = (
+        '<mujoco><statistic extent="3" center="0 0 0"/><visual><headlight ambient="0 0 0" diffuse="0 0 0" '
+        f'specular="0 0 0"/></visual><asset><mesh name="m" inertia="shell" vertex="{roof} {shelf}" '
+        'face="0 1 2 0 2 3 4 5 6 4 6 7"/></asset><worldbody>'
+        '<light directional="true" pos="0 0 1.5" dir="0 0 -1" diffuse=".8 .8 .8" specular="0 0 0"/>'
+        '<geom type="plane" size="3 3 1" rgba="1 1 1 1"/><geom type="mesh" mesh="m" rgba="1 1 1 1"/>'
+        '<camera name="c" pos="0 -4 .2" xyaxes="1 0 0 0 .05 1" fovy="30"/></worldbody></mujoco>'
+    )
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 200, 200) as renderer:
+        renderer.update_scene(data, "c")
+        picture = renderer.render().astype(int)
+        renderer.enable_segmentation_rendering()
+        ids = renderer.render()[..., 0]
+    floor = np.flatnonzero(ids[:, 100] == 0)[0] + 12
+    assert (ids[floor, [70, 130]] == 0).all()
+    assert picture[floor, 70, 0] > 180
+    assert picture[floor, 130, 0] < 10
+
+
+@pytest.mark.parametrize("shape", ['type="sphere" size=".5"', 'type="box" size=".5 .5 .5"'])
+def test_bodies_with_a_reflectance_are_seen_in_mirrors(shape: str) -> None:
+    shown = []
+    for reflectance in (0.0, 0.8):
+        asset = f'<material name="m" reflectance=".5"/><material name="k" reflectance="{reflectance}" rgba="1 0 0 1"/>'
+        body = (
+            '<geom type="plane" size="3 3 1" material="m"/><geom ' + shape + ' pos="0 0 .8" material="k"/>'
+            '<camera name="c" pos="0 -4 2" xyaxes="1 0 0 0 .4 1"/>'
+        )
+        shown.append(_picture(_world(body, asset=asset), camera="c", size=100))
+    # the mirror shows red below the ball
+    assert (shown[0][80:, 50, 0] > shown[0][80:, 50, 1] + 20).any()
+    assert np.array_equal(shown[0], shown[1])
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("znear", 0.0), ("extent", 0.0), ("extent", -1.0), ("znear", 1e-20), ("znear", -0.1)]
+)
+def test_a_near_plane_at_the_camera_is_an_error_and_ends_no_process(name: str, value: float) -> None:
+    script = (
+        "import mujoco, morse\n"
+        "m = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom size=\".1\"/></worldbody></mujoco>')\n"
+        "d = mujoco.MjData(m); mujoco.mj_forward(m, d); r = morse.Renderer(m, 8, 8); r.update_scene(d); r.render()\n"
+        f"setattr({'m.vis.map' if name == 'znear' else 'm.stat'}, {name!r}, {value})\n"
+        "try:\n    r.update_scene(d); r.render()\n"
+        "except ValueError as error:\n    print('frustum' in str(error) and 'znear' in str(error))\n"
+        "b = morse.Renderer.batch(m, 1, 8, 8)\n"
+        "try:\n    b.render([d])\nexcept ValueError:\n    print('batch')\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
+    assert done.stdout == "True\nbatch\n", done.stderr[-500:]

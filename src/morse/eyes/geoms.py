@@ -238,7 +238,7 @@ def _parts_of(geom: np.void, number: int, kind: int | None, faces: Sequence[int]
     if what in (ARROW, ARROW1, ARROW2, LINE):
         return _connector(what, size, number)
     if what == PLANE and (size[0] <= 0 or size[1] <= 0):
-        return [_Part(("grid",), number, one, nowhere)]
+        return [_Part(("round" if max(size[:2]) <= 0 else "grid",), number, one, nowhere)]
     parts = []
     if what == PLANE:
         return [

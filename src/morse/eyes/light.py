@@ -154,7 +154,8 @@ class ShadowMaps:
         for row in range(2):
             frame[4 * row + 3] = _BORDER * texel - low[row] - float((axes[row] * light.place).sum())
         frame[:8] /= texel
-        frame[12] = texel
+        # what is behind the light casts no shadow
+        frame[12], frame[13], frame[14] = texel, 1.0, float((light.towards * light.place).sum())
         width, height = (min(int(side / texel) + 2 * _BORDER + 1, self._texels) for side in high - low)
         shadow = np.full((height, width), NO_SURFACE, np.float32)
         own = NO_LIGHT._replace(sun=frame.astype(np.float32), shadow=shadow)

@@ -49,6 +49,8 @@ _FROM_BEHIND = 0.3
 _FEWEST_TEXELS, _MOST_TEXELS = 256, 1024
 #: distance of the pinhole that stands for an orthographic camera, in units of the far plane
 _AFAR = 6.0
+#: from the camera to the border of infinite planes, in units of the far plane: without a sky, and in front of MuJoCo's
+_BEYOND, _BEFORE_SKY = 1.06, 0.7
 
 
 class View(NamedTuple):
@@ -190,7 +192,7 @@ class Artist:
         instances, draw = self._arranged(g, scene)
         key = self._key(scene, g, view)
         if self._surface is None or self._surface[0] != key:
-            poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
+            poses = instances.poses(g, view.eye, view.axes[2], _BEYOND * (view.far - view.shift), view.fy)
             draw.arrange(instances.parts, maps=instances.maps)
             pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1)
             self._surface = key, pictures.depth, pictures.ids
@@ -207,15 +209,16 @@ class Artist:
 
     def _colors(self, scene: Any, g: NDArray[np.void], view: View) -> NDArray[np.uint8]:
         instances, draw = self._arranged(g, scene)
-        poses = instances.poses(g, view.eye, view.axes[2], 1.06 * (view.far - view.shift), view.fy)
+        reach = self._reach(scene.flags, view)
+        poses = instances.poses(g, view.eye, view.axes[2], reach, view.fy)
         opacity = np.array(instances.opacity)
-        behind = (g["type"] == PLANE) & (((view.eye - g["pos"]) * g["mat"].reshape(-1, 3, 3)[:, :, 2]).sum(axis=1) < 0)
+        behind = _from_behind(g, view.eye)
         opacity[behind] *= _FROM_BEHIND
         clear = opacity < _OPAQUE
         hidden = clear[instances.geoms]
         part_clear = hidden[instances.owner]
         solid = instances.parts[~part_clear]
-        lights, around = lights_of(scene), self._around(g, scene.flags, view)
+        lights, around = lights_of(scene), self._around(g, scene.flags, reach)
         maps = self._shadows(scene, g, instances, draw, lights, poses, view)
         make = classic if self._plain else of_scenes
         light = make(lights, maps, around)
@@ -225,19 +228,23 @@ class Artist:
             return draw.draw(own.row(color=True), poses, light, 5)
 
         first = drawn(solid, view)
-        if not clear.any():
+        # in depths and ids, planes reach to the far plane
+        if not clear.any() and not (len(instances.infinite) and reach < view.far - view.shift):
             self._surface = self._key(scene, g, view), first.depth, first.ids
         layers = _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view)
         picture = Composition(first, view.width, view.height, exact=bool(layers))
         if scene.flags[_REFLECTION]:
             dim = make(lights, [None] * len(lights), _NOTHING)
-            # reflecting surfaces are not reflected
-            others = solid[g["reflectance"][instances.geoms[solid[:, 1]]] <= 0]
             for number in np.flatnonzero((g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind):
                 chosen = instances.geoms == number
                 box = picture.extent(chosen)
                 if box is not None:
-                    image = drawn(others, view.mirrored(_plane_of(g[number])).cut(_mirrored(box, view)), dim)
+                    # a mirror shows neither itself nor planes from behind
+                    mirrored = view.mirrored(_plane_of(g[number]))
+                    unseen = _from_behind(g, mirrored.eye)
+                    unseen[number] = True
+                    others = solid[~unseen[instances.geoms[solid[:, 1]]]]
+                    image = drawn(others, mirrored.cut(_mirrored(box, view)), dim)
                     picture.reflect(image, box, chosen, float(g["reflectance"][number]))
         for numbers, box in layers:
             chosen = np.isin(instances.geoms, numbers)
@@ -311,16 +318,19 @@ class Artist:
         parts, owner = instances.parts, instances.geoms[instances.owner]
         seen = _seen(g[g["type"] != PLANE], view)
         for number, n in enumerate(n for n, light in enumerate(lights) if light.casts):
-            light, casters = lights[n], casting
+            light = lights[n]
             scale = float(model.vis.map.shadowscale)
             if light.directional:
                 scale = float(model.vis.map.shadowclip) * float(model.stat.extent)
-                # what is behind the light casts no shadow
-                casters = casters & (((g["pos"] - light.place) * light.towards).sum(axis=1) < 0)
-            maps[n] = self._maps.map_of(number, light, draw, parts[casters[owner]], poses, seen, scale)
+            maps[n] = self._maps.map_of(number, light, draw, parts[casting[owner]], poses, seen, scale)
         return maps
 
-    def _around(self, g: NDArray[np.void], flags: Any, view: View) -> Surroundings:
+    def _reach(self, flags: Any, view: View) -> float:
+        """From the camera to the border of infinite planes in pictures of colours, m."""
+        sky = self._plain and len(self._skies) and flags[_SKYBOX]
+        return (_BEFORE_SKY if sky else _BEYOND) * (view.far - view.shift)
+
+    def _around(self, g: NDArray[np.void], flags: Any, reach: float) -> Surroundings:
         model = self._model
         rgba, settings, extent = model.vis.rgba, model.vis.map, float(model.stat.extent)
         assert self._instances is not None
@@ -333,9 +343,12 @@ class Artist:
         fog = None
         if flags[_FOG]:
             fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent, settings.fogend * extent)
-        return Surroundings(
-            sky, np.array(rgba.haze[:3], float), float(settings.haze), view.far - view.shift, plane, fog
-        )
+        return Surroundings(sky, np.array(rgba.haze[:3], float), float(settings.haze), reach, plane, fog)
+
+
+def _from_behind(g: NDArray[np.void], eye: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) which geoms are planes that are seen from behind."""
+    return np.asarray((g["type"] == PLANE) & (((eye - g["pos"]) * g["mat"].reshape(-1, 3, 3)[:, :, 2]).sum(axis=1) < 0))
 
 
 def _drawer_of(prepared: Prepared) -> NativeDrawer:

@@ -142,7 +142,7 @@ class Renderer:
 
         Raises:
             RuntimeError: the renderer is closed.
-            ValueError: there is no such camera, or the state is one of another model.
+            ValueError: there is no such camera, its frustum begins at it, or the state is one of another model.
         """
         self._open("update_scene")
         check_state(self._model, data)
@@ -155,6 +155,14 @@ class Renderer:
                 self._grow()
             # infinite planes are placed around the camera of the scene, which would be that of the last call
             mujoco.mjv_updateCamera(self._model, data, camera, self._scene)
+            near = min(view.frustum_near for view in self._scene.camera[:2])
+            if near < _NEAREST:
+                # mjv_updateScene would end the process
+                raise ValueError(
+                    f"The frustum of the camera begins at {near:g} m, at least {_NEAREST:g} is needed: vis.map.znear "
+                    f"is {self._model.vis.map.znear:g}, stat.extent is {self._model.stat.extent:g}; their product is "
+                    "the distance."
+                )
             mujoco.mjv_updateScene(
                 self._model,
                 data,
@@ -342,6 +350,9 @@ _KINDS: dict[str, tuple[tuple[int, ...], type]] = {
     "ids": ((2,), np.int32),
 }
 
+
+#: least distance to the near plane in MuJoCo, m: mjMINVAL
+_NEAREST = float(mujoco.mjMINVAL)
 
 #: sizes of models on which the arrays of states depend that pictures and rays read
 _SIZES: tuple[str, ...] = (

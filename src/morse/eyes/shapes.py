@@ -156,15 +156,18 @@ def primitive(name: str, slices: int, stacks: int, quads: int) -> Triangles:
     """Return a unit shape.
 
     Args:
-        name: grid (an infinite plane, with a spacing of 1), sphere, cylinder, box, or a part of other shapes:
-            tube, top and bottom (of a capsule), cone, disc, triangle.
+        name: grid and round (an infinite plane with a spacing of 1 in the middle; a square, and a disc), sphere,
+            cylinder, box, or a part of other shapes: tube, top and bottom (of a capsule), cone, disc, triangle.
         slices, stacks, quads: see ``visual/quality`` of MuJoCo.
     """
     slices, stacks, quads = max(slices, 3), max(stacks, 2), max(quads, 1)
     half = max(stacks // 2, 1)
-    if name == "grid":
+    if name in ("grid", "round"):
         lines = np.array([*(-line for line in _GRID_LINES[:0:-1]), *_GRID_LINES], float)
         points, normals, _ = _square(lines, lines)
+        if name == "round":
+            # squares around the middle become circles
+            points *= (np.abs(points).max(-1) / np.maximum(np.hypot(points[..., 0], points[..., 1]), 1.0))[..., None]
         return _of_patches([(points, normals, np.stack([points[..., 0], -points[..., 1]], -1) / 2)])
     if name == "triangle":
         points = np.array([[[0.0, 0, 0], [1, 0, 0]], [[0, 1, 0], [0, 1, 0]]])

@@ -172,7 +172,8 @@ static inline V3 classic_light(const Frame *f, const Camera *k, Looks *l) {
     if (c->hazy && any(l->hazed)) {
         const V3 way = {l->place.x - k->eye[0], l->place.y - k->eye[1], l->place.z - k->eye[2]};
         const F8 up = dot(way, everywhere(c->plane)), far = root(greater(dot(way, way) - up * up, splat(0)));
-        total = chosen(l->hazed, hazy(c, total, 1 - (c->far - far) / (c->far * c->ring)), total);
+        const F8 clear = (c->far - far) / (c->ring * (far + c->ring * c->far));
+        total = chosen(l->hazed & (up < splat(0)), hazy(c, total, 1 - clear), total);
     }
     if (c->foggy) {
         const F8 t = within((l->depth - c->fog_start) * (1 / (c->fog_end - c->fog_start)), 0, 1);
@@ -206,9 +207,11 @@ static inline V3 classic_sky(const Frame *f, const Camera *k, Looks *l, V3 ray) 
     if (c->hazy) {
         const F8 up = dot(ray, everywhere(c->plane));
         const F8 flat = root(greater(dot(ray, ray) - up * up, splat(1e-12f)));
-        const F8 height = dot(everywhere(k->eye), everywhere(c->plane)) - c->plane[3] + up / flat * c->far;
-        // below the plane's border nothing is drawn
-        light = chosen(height >= splat(0), hazy(c, light, 1 - height / (c->far * c->ring)), light);
+        const F8 above = dot(everywhere(k->eye), everywhere(c->plane)) - c->plane[3], slope = up / flat * c->far;
+        // from the border of the plane to the horizon; from below there is no haze
+        const F8 clear = (above + slope) / greater(above - slope * c->ring, splat(1e-12f));
+        const I8 in = (above > splat(0)) & (above + slope >= splat(0)) & (slope < splat(0));
+        light = chosen(in, hazy(c, light, 1 - clear), light);
     }
     if (c->foggy) light = everywhere(c->fog);
     return light;

@@ -41,7 +41,7 @@ static inline F4 either(I4 mask, F4 a, F4 b) { return (F4)(((I4)a & mask) | ((I4
 
 // The edges of a triangle along a row, as base + step * x, and its distance.
 typedef struct {
-    float base[3], step[3], distance, slope;
+    float base[3], step[3], distance, slope, most;
 } Line;
 
 // Fills the texels from one column to before another one.
@@ -50,7 +50,7 @@ static inline void fill_line(float *row, int x, int end, int width, const Line *
         F8 old;
         memcpy(&old, row + x, sizeof old);
         const F8 fx = (F8){0, 1, 2, 3, 4, 5, 6, 7} + ((float)x + 0.5f), d = l->distance + l->slope * fx;
-        I8 in = (d > old) & (fx < splat((float)end));
+        I8 in = (d > old) & (fx < splat((float)end)) & (d < splat(l->most));
         EACH(i, 3) in &= l->base[i] + l->step[i] * fx >= splat(0);
         NO_MASKED_STORE;
         const F8 now = pick(in, d, old);
@@ -58,14 +58,14 @@ static inline void fill_line(float *row, int x, int end, int width, const Line *
     }
     for (; x < end; x++) {
         const float fx = (float)x + 0.5f, d = l->distance + l->slope * fx;
-        int in = d > row[x];
+        int in = d > row[x] && d < l->most;
         EACH(i, 3) in &= l->base[i] + l->step[i] * fx >= 0;
         row[x] = in ? d : row[x];
     }
 }
 
-// Draws a triangle; with `hidden`, only if its area has the other sign.
-static inline void fill(const Frame *f, const float *q[3], float hidden) {
+// Draws a triangle; with `hidden`, only if its area has the other sign, and nothing from the distance `behind` on.
+static inline void fill(const Frame *f, const float *q[3], float hidden, float behind) {
     const float *o = q[0], size[2] = {(float)f->shadow_width, (float)f->shadow_height};
     const float bx = q[1][0] - o[0], by = q[1][1] - o[1], cx = q[2][0] - o[0], cy = q[2][1] - o[1];
     const float area = bx * cy - by * cx;
@@ -79,7 +79,7 @@ static inline void fill(const Frame *f, const float *q[3], float hidden) {
     if (x0 > x1 || y0 > y1) return;
     const float sign = area > 0 ? 1.0f : -1.0f, bz = q[1][2] - o[2], cz = q[2][2] - o[2];
     const float dx = (bz * cy - cz * by) / area, dy = (cz * bx - bz * cx) / area;
-    Line l = {.slope = dx};
+    Line l = {.slope = dx, .most = behind};
     EACH(i, 3) l.step[i] = -sign * (q[(i + 2) % 3][1] - q[(i + 1) % 3][1]);
     for (int y = y0; y <= y1; y++) {
         const float fy = (float)y + 0.5f;
@@ -136,11 +136,14 @@ static void cast(const Frame *f, const Part *part, int32_t *rectangle) {
     texels_between(f, low, high, rectangle);
     // the back faces of closed parts are farther from the sun than their front faces
     const float back = part->flags & MIRRORED ? 1.0f : -1.0f;
+    // of parts on both sides of the light, the front faces may be behind it
+    const float behind = f->sun[13] > 0 ? f->sun[14] : INFINITY;
+    const int cut = high[2] > behind;
     for (int t = c->triangle; t < c->triangle + c->triangles; t++) {
         const uint16_t *corner = f->corners[t];
         const float *q[3] = {(const float *)(seen + corner[0]), (const float *)(seen + corner[1]),
                              (const float *)(seen + corner[2])};
-        fill(f, q, f->closed[t] ? back : 0);
+        fill(f, q, f->closed[t] && !cut ? back : 0, behind);
     }
 }
 

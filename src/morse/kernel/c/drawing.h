@@ -58,8 +58,8 @@ typedef struct {
 _Static_assert(sizeof(ClassicLight) == 168, "CLASSIC_LIGHT in morse/kernel/drawing/arrays.py");
 
 // The rest of the classic look. `sky` is the first of six textures: +X, -X, +Y, -Y, +Z and -Z; -1 without. The haze is
-// a ring of radius `far` around the camera on a plane (its normal and its offset), which becomes opaque outward over
-// the share `ring` of the radius, and vanishes at the same height above.
+// a ring of radius `far` around the camera on a plane (its normal and its offset), the border of the plane, which
+// becomes opaque outward over the share `ring` of the radius, and vanishes from there to the horizon.
 typedef struct {
     int32_t light_count, shadow_count, sky, hazy, foggy;
     float haze[3], ring, far, plane[4], background[3], fog[3], fog_start, fog_end;

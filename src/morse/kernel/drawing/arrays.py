@@ -197,6 +197,7 @@ class Light(NamedTuple):
             and 1 if surfaces look as in MORSE 1.4: lamps multiply codes of sRGB, nothing is mirrored, no tones are
             mapped, and ``decay`` of a lamp is the distance of half of its light, m.
         sun: (16,) float32, world to the shadow map: three rows of a 3x4 matrix, and the width of a texel, m.
+            If the next number is positive, surfaces from the distance after it on are left out.
         shadow: (H, W) float32, distance of the nearest surface from the sun, m; None without shadows.
         near_sun, near_shadow: a finer map of a part of the world, or None; it has priority over the other map.
         lamp_frame: (16,) float32, world to the shadow map of the spot lamps whose ``ground`` begins with 1: three rows
