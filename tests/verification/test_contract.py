@@ -1,5 +1,6 @@
 """The check of the contract: the whole library follows it, and violations are reported with their position."""
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -170,3 +171,38 @@ def test_the_robot_may_be_chosen(sonar: Path) -> None:
     (report,) = check_component("MotionVWDiff", robot="ATRV")
     assert [fault.rule for fault in report.faults] == ["can be put on a robot"]
     assert "has no wheels" in report.faults[0].text
+
+
+def test_the_message_kinds_of_a_project_are_found(tmp_path: Path) -> None:
+    """Its pyproject.toml declares them beside its folder src, which is on the import path only during the check."""
+    package = tmp_path / "src" / "weather_lab"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "kinds.py").write_text(
+        "from morse.core.kinds import Kind, Slot\n"
+        'KINDS = [Kind("lab_wind", {"speed": Slot("speed", unit="m/s")}, True, False, 1, "The wind.")]\n'
+    )
+    (tmp_path / "pyproject.toml").write_text(
+        '[project]\nname = "weather-lab"\nversion = "1"\n\n'
+        '[project.entry-points."morse.kinds"]\nweather_lab = "weather_lab.kinds:KINDS"\n'
+    )
+    file = package / "vane.py"
+    file.write_text(
+        "import math\n\n"
+        "from morse.core.sensor import Sensor\n"
+        "from morse.helpers.air import wind\n"
+        "from morse.helpers.components import add_data, add_kind\n\n\n"
+        "class LabVane(Sensor):\n"
+        '    """Measures the speed of the wind."""\n\n'
+        '    _name = "Vane"\n'
+        '    _short_desc = "Measures the speed of the wind"\n'
+        '    add_data("speed", 0.0, "float", "Of the wind", unit="m/s", low=0.0)\n'
+        '    add_kind("lab_wind", speed="speed")\n\n'
+        "    def measure(self):\n"
+        '        """Measure the speed."""\n'
+        '        self.local_data["speed"] = math.hypot(*wind(self.context))\n'
+    )
+    before = list(sys.path)
+    (report,) = check_component(file)
+    assert report.faults == []
+    assert sys.path == before

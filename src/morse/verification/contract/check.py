@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import math
+import sys
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -406,7 +407,16 @@ def check_component(what: str | os.PathLike[str], robot: str | None = None) -> l
         SubjectError: there is nothing to check.
     """
     with LogCapture() as journal:
-        return [_check(subject, robot, journal) for subject in subjects(what)]
+        reports = []
+        for subject in subjects(what):
+            # streams are created after the scene was loaded: the message kinds of the project are found until then
+            folders = [folder for folder in subject.source_paths if folder not in sys.path]
+            sys.path += folders
+            try:
+                reports.append(_check(subject, robot, journal))
+            finally:
+                sys.path[:] = [entry for entry in sys.path if entry not in folders]
+        return reports
 
 
 def _check(subject: Subject, robot: str | None, journal: LogCapture) -> Report:
