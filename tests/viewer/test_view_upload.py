@@ -232,7 +232,13 @@ def test_a_link_in_the_place_of_a_file_cannot_be_sent_and_one_in_a_model_is_not_
     secret = URDF.replace("package://arm/meshes/part.obj", "file:///etc/passwd")
     (entry,) = report(desk, "arm", {"arm.urdf": secret})
     assert "root:" not in str(entry)
-    (entry,) = report(desk, "arm", {"arm.urdf": URDF.replace('name="base"', 'name="$(env HOME)"')})
+
+
+@pytest.mark.parametrize("text", ["$(env HOME)", "&#36;(find arm)", "$(optenv HOME here)", "&#x24;(dirname)"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_substitutions_are_refused_however_they_are_written(desk: Desk, text: str, encoding: str) -> None:
+    urdf = f'<?xml version="1.0" encoding="{encoding}"?><robot name="arm"><link name="{text}"/></robot>'
+    (entry,) = report(desk, "arm", {"arm.urdf": urdf.encode(encoding)})
     assert "substitutions" in entry["error"]
     assert entry["kinds"] == []
 

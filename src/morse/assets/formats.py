@@ -10,6 +10,7 @@ A package brings a reader by an entry point, whose name is the suffix of the fil
 from __future__ import annotations
 
 import logging
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,7 +22,7 @@ from morse.core.classes.plugins import PluginError, entry_points, load
 from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
     from importlib.metadata import EntryPoint
 
     from morse.scene import Library
@@ -31,6 +32,18 @@ logger = logging.getLogger(__name__)
 
 #: arguments of the model file that is being read
 ARGUMENTS: ContextVar[dict[str, str]] = ContextVar("arguments")
+#: whether model files may contain substitutions, such as ``$(find PACKAGE)``
+SUBSTITUTIONS: ContextVar[bool] = ContextVar("substitutions", default=True)
+
+
+@contextmanager
+def of_strangers() -> Iterator[None]:
+    """Model files that are read here were sent by somebody: substitutions in them are refused."""
+    token = SUBSTITUTIONS.set(False)
+    try:
+        yield
+    finally:
+        SUBSTITUTIONS.reset(token)
 
 
 @dataclass(frozen=True, slots=True)

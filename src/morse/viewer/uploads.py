@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets import load, search
 from morse.assets.collision import prepare_moving
-from morse.assets.formats import is_model, suffixes
+from morse.assets.formats import is_model, of_strangers, suffixes
 from morse.assets.summary import class_of, contents
 from morse.builder.editing.changes import UnwritableError
 from morse.core.exceptions import MorseError
@@ -59,7 +59,6 @@ _PARTS = frozenset(
 _NEVER = frozenset({".xacro", ".py"})
 #: files that describe a whole robot or world, then those of scenes; others are parts of them, if there are any
 _WHOLES = ((".urdf", ".sdf", ".world", ".xml", ".mjcf"), (".blend", ".glb", ".gltf"))
-_TEXTS = (".urdf", ".sdf", ".world", ".xml", ".mjcf", ".config")
 #: files of an upload that are examined, objects of a file that are offered, lines about a file
 _MOST_MODELS, _MOST_OBJECTS, _MOST_LINES = 20, 200, 60
 
@@ -279,9 +278,8 @@ def _examination(
         report.append(_entry(folder.name, "there is no model among the files"))
     for path in paths[:_MOST_MODELS]:
         try:
-            if any(b"$(" in (folder / one).read_bytes() for one, _ in files if one.suffix.lower() in _TEXTS):
-                raise MorseError("a file that is sent cannot contain substitutions, such as $(env NAME)")
-            library = load(folder / path)
+            with of_strangers():
+                library = load(folder / path)
             found, why = _models(f"{folder.name}/{path.as_posix()}", library)
             if found and class_of(library) != "Robot":
                 prepare_moving(library.nodes())

@@ -263,6 +263,7 @@ def test_a_robot_comes_as_text(call: Caller) -> None:
         ("<html/>", "<robot>"),
         ("<robot name='a'>", "the description: it is not XML"),
         ("<robot name='$(env HOME)'><link name='a'/></robot>", "substitutions"),
+        ("<robot name='a'><link name='&#36;(find morse)'/></robot>", "substitutions"),
     ],
 )
 def test_a_text_that_is_no_robot_is_refused_with_the_reason(call: Caller, text: str, words: str) -> None:

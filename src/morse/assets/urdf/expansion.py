@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
-from morse.assets.formats import ARGUMENTS
+from morse.assets.formats import ARGUMENTS, SUBSTITUTIONS
 from morse.assets.nearby_files import FOLDERS, FileRefusedError, find_near, find_package
 from morse.assets.urdf.xacro_program import TIME_LIMIT
 from morse.assets.xml_files import parse_xml, read_xml
@@ -41,7 +41,9 @@ def read_expanded(path: Path) -> ElementTree.Element:
     root = read_xml(path)
     for element in root.iter():
         for name, value in element.attrib.items():
-            if "$(" in value:
+            if "$(" in value:  # of the parsed file: as a text, it may be written "&#36;(" or in UTF-16
+                if not SUBSTITUTIONS.get():
+                    raise AssetError(path, "a file that is sent cannot contain substitutions, such as $(env NAME)")
                 element.set(name, _substituted(value, path))
     return root
 

@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.formats import of_strangers
 from morse.builder import workspace
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.finalise import declare
@@ -351,15 +352,14 @@ def _described_by(text: str) -> Robot:
         raise MorseBuilderError(
             f"a description is a <robot> (URDF), <sdf> or <mujoco> (MJCF), not {checks.shown(text[:80])}"
         )
-    if "$(" in text:
-        raise MorseBuilderError("a description that is sent cannot contain substitutions, such as $(env NAME)")
     with tempfile.TemporaryDirectory(prefix="morse-description-") as folder:
         # meshes may be in the parent of the folder of a model: it must not be that of all temporary files
         path = Path(folder) / "model" / f"description{_SUFFIXES[root[1]]}"
         path.parent.mkdir()
         path.write_text(text, encoding="utf-8")
         try:
-            return Robot(str(path))
+            with of_strangers():
+                return Robot(str(path))
         except (MorseError, ValueError, OSError) as error:
             raise MorseBuilderError(str(error).replace(str(path), "the description")) from None
 
