@@ -134,6 +134,13 @@ def test_what_a_middleware_cannot_carry_is_refused(monkeypatch: pytest.MonkeyPat
     assert declaration(pose).streams == []
 
 
+def test_a_middleware_without_readers_names_commands_and_the_class_for_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    diary = Middleware("diary", stream_manager="diary.Manager", default_reader=None)
+    monkeypatch.setattr(registry, "installed", lambda: {"diary": diary})
+    with pytest.raises(MorseBuilderUnexportableError, match=r"'diary' cannot take commands for MotionVW.*MyReader'"):
+        MotionVW().add_stream("diary")
+
+
 def test_a_middleware_that_maps_kinds_carries_every_component(monkeypatch: pytest.MonkeyPatch) -> None:
     everything = Middleware("everything", stream_manager="everything.Manager")
     monkeypatch.setattr(registry, "installed", lambda: {"everything": everything})

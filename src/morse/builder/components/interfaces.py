@@ -123,9 +123,10 @@ class Interfaces:
         cls = self.component_class() or object
         stream = middleware.stream_of(cls, direction)
         if stream is None:
+            what, own = ("take commands for", "MyReader") if direction == "IN" else ("carry the data of", "MyPublisher")
             raise MorseBuilderUnexportableError(
-                f"the middleware '{middleware.name}' cannot carry the data of {type(self).__name__}; give a class "
-                "that can: classpath='my_sim.streams.MyPublisher'"
+                f"the middleware '{middleware.name}' cannot {what} {type(self).__name__}; give a class "
+                f"that can: classpath='my_sim.streams.{own}'"
             )
         return stream
 
