@@ -15,7 +15,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from morse.core.reports.faults import place, summary
+from morse.core.exceptions import MorseError
+from morse.core.reports.faults import place, summary, user_frames
 from morse.launch.load import load
 from morse.many.values import plain
 from morse.simulation.ticks.stepping import changes_owner
@@ -194,7 +195,9 @@ def _spent(wall: float, cpu: float) -> dict[str, float]:
 
 
 def _failure(error: BaseException) -> dict[str, str]:
-    return {"error": summary(error), "where": place(error).strip()}
+    # a message for the user says where the mistake is: a line of MORSE adds nothing
+    is_told = isinstance(error, MorseError) and not user_frames(error.__traceback__)
+    return {"error": summary(error), "where": "" if is_told else place(error).strip()}
 
 
 def _fault(failures: Sequence[Failure]) -> dict[str, str]:

@@ -209,6 +209,7 @@ scenario.always("quotient > 0")
     found = script(text).falsify(tmp_path / "r", runs=30, workers=0)
     remarks = "\n".join(found.remarks)
     assert "with the default parameters already, this fails: never: violated at 0.02 s, by 1" in remarks
+    assert remarks.count("with the default parameters already") == 1
     assert f"'never' holds in none of {len(found.rows)} runs: is it what you mean?" in remarks
     assert "'quotient > 0' is not a number in " in remarks
     assert "the parameter 'colour' has no effect" in remarks
@@ -293,6 +294,9 @@ scenario.require("always (robot.pose.x < 2)", name="near")
     found = script(text).falsify(tmp_path / "r", runs=80, workers=0)
     smallest = {failure.kind: failure.parameters["speed"] for failure in found.failures}
     assert smallest["near"] == pytest.approx(2.0, abs=0.06)
+    # a formula is judged as a whole: no tick of the run is that of its violation
+    near = next(failure for failure in found.failures if failure.kind == "near")
+    assert near.what[-1].startswith("near: violated, by ")
     assert len(smallest) == 2
     other = next(speed for kind, speed in smallest.items() if kind != "near")
     # from 1 m on it has to be back at 0.9 m within 1 s: it is at v (2 - t) then
@@ -301,6 +305,44 @@ scenario.require("always (robot.pose.x < 2)", name="near")
         script(text + 'scenario.require("always [ d")', "wrong").falsify(tmp_path / "w", runs=2, workers=0)
     with pytest.raises(RequirementError, match=r"there is no signal and no result 'dd'"):
         script(text + 'scenario.require("always (dd > 1)")', "other").falsify(tmp_path / "o", runs=2, workers=0)
+
+
+def test_failures_that_the_last_runs_find_become_plain_too(script, tmp_path):
+    text = """
+def run(sim, speed=0.2, colour=0.0):
+    sim.robot.motion.publish({"v": speed})
+    sim.step(60)
+    x = sim.robot.pose.data["x"]
+    return {"distance": abs(x - 1.2) - 0.3, "hit": ""}
+
+scenario = Scenario(scene, run, speed=uniform(0.1, 2.0), colour=uniform(0.0, 1.0))
+scenario.always("distance > 0")
+"""
+    # the ends pass: what fails lies between, where it is tried whether the colour has an effect
+    (failure,) = script(text).falsify(tmp_path / "r", runs=1, workers=0).failures
+    assert failure.kind == "distance > 0"
+    assert failure.parameters == {"speed": pytest.approx(0.9, abs=0.02), "colour": 0.0, "seed": 0}
+    assert failure.boundaries["speed"].passes < 0.9
+
+
+def test_nothing_is_run_after_ctrl_c(script, tmp_path):
+    done = []
+
+    def interrupt(line):
+        done.append(int(line.split()[0]))
+        raise KeyboardInterrupt
+
+    found = script(SAFE).falsify(tmp_path / "r", workers=0, progress=interrupt)
+    assert len(found.rows) == done[0]
+    assert found.remarks == ["the search was interrupted: the same call continues"]
+
+
+def test_a_scene_that_cannot_be_loaded_is_told_with_its_line(tmp_path):
+    file = tmp_path / "driving.py"
+    file.write_text(SCENE.replace("Robot\n", "Robott\n") + DRIVE)
+    with pytest.raises(RequirementError, match=r"driving.py:6: there is no 'Robott' in 'morse.builder'") as told:
+        read_scenario(file).falsify(tmp_path / "r", runs=2, workers=0)
+    assert "script.py" not in str(told.value)
 
 
 def test_a_case_that_does_not_repeat_is_told_with_both_recordings(script, tmp_path):

@@ -63,7 +63,9 @@ def test_a_program_steps_each_run_and_two_run_at_once(tmp_path):
     ],
 )
 def test_a_program_that_fails_is_a_failure(tmp_path, controller, message):
-    assert message in scenario_with(tmp_path, controller).once()["error"]
+    row = scenario_with(tmp_path, controller).once()
+    assert message in row["error"]
+    assert row["where"] == ""
 
 
 def test_a_program_goes_on_for_the_duration_at_most(tmp_path):

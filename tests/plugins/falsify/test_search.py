@@ -60,6 +60,23 @@ def test_values_that_are_no_numbers_disturb_no_search(name):
     assert archive.count == 60
 
 
+@pytest.mark.parametrize("name", ["guided", "cma", "optuna"])
+def test_errors_that_are_known_do_not_attract_the_search(name):
+    """A quarter of the space ends by an error, which says nothing of the requirement: it is sought in the rest."""
+    pytest.importorskip({"cma": "cma", "optuna": "optuna"}.get(name, "numpy"))
+    archive = Archive(len(SPACE.free), 1)
+    search = SEARCHES[name](SPACE, archive, np.random.default_rng(3))
+    errors = 0
+    for _ in range(200):
+        place = search.propose(0)
+        is_error = place[0] > 0.75
+        errors += is_error
+        robustness = -1e9 if is_error else 1.0 + float(np.abs(place - 0.3).max())
+        archive.add(place, [robustness])
+        search.tell(place, [robustness])
+    assert errors < 60
+
+
 def shrunk(fails, found, space=SPACE):
     shrinking = Shrinking(space, found)
     steps, answer, count = shrinking.steps(), None, 0

@@ -19,7 +19,7 @@ from morse.core.reports.quoting import nearest
 from morse.many.results import write_whole
 from morse.plugins.falsify.expressions import FAR, RequirementError
 from morse.plugins.falsify.requirements import KIND, VERDICTS, violations
-from morse.plugins.falsify.search import SEARCHES, Archive, Search
+from morse.plugins.falsify.search import SEARCHES, Archive, Search, is_known
 from morse.plugins.falsify.shrinking import Boundary, Shrinking
 from morse.plugins.falsify.space import halton
 from morse.system.regular_files import read_regular
@@ -210,12 +210,15 @@ class Campaign:
             self._session = session
             self._claim()
             begin, before = time.monotonic(), self._continued()
+            idle: list[str] = []
             try:
                 self._first()
                 self._search(begin - before)
+                idle = self._without_effect()
+                # these runs may have failed in new ways, whose cases become plain, too
+                self._search(begin - before)
             except KeyboardInterrupt:
                 self.found.remarks.append("the search was interrupted: the same call continues")
-            idle = self._without_effect()
             self.found.spent = before + time.monotonic() - begin
             self.found.rows = session.rows
             self.found.remarks += [
@@ -265,7 +268,7 @@ class Campaign:
         if row["error"].startswith(RequirementError.__name__):
             raise RequirementError(row["error"].partition(": ")[2])
         if row["error"].startswith(("ScriptError", "LoadError", "FileNotFoundError")) and not row["ticks"]:
-            raise RequirementError(f"the scene cannot be loaded: {row['error']} {row['where']}")
+            raise RequirementError(f"the scene cannot be loaded: {row['error']} {row['where']}".strip())
         for axis in self._space.free:
             self._ready += [(self._space.defaults | {axis.name: value}, _nothing) for value in _ends(axis)]
 
@@ -313,7 +316,7 @@ class Campaign:
         if self._archive.count:
             open_targets = self._targets()
             values = self._archive.robustness[:, open_targets]
-            finite = values[np.isfinite(values)]
+            finite = values[is_known(values)]
             lowest = f", nearest {finite.min():.3g}" if finite.size else ""
         left = max(0.0, self._budget - (time.monotonic() - begin))
         return f"{self._archive.count:,} runs, {len(self._kinds)} kinds of failure{lowest}, {left:.0f} s left"
@@ -443,9 +446,10 @@ class Campaign:
         }
         self.found.failures = sorted(self._kinds.values(), key=lambda failure: distance[failure.kind])
         remarks = self.found.remarks
-        for failure in self.found.failures:
-            if failure.is_default:
-                remarks.append(f"with the default parameters already, this fails: {'; '.join(failure.what)}")
+        # the run with the defaults is the case of all kinds that it shows
+        by_default = next((failure for failure in self.found.failures if failure.is_default), None)
+        if by_default is not None:
+            remarks.append(f"with the default parameters already, this fails: {'; '.join(by_default.what)}")
         robustness = self._archive.robustness
         for number, name in enumerate(self._names):
             if self._archive.count > 1 and (robustness[:, number] < 0.0).all():

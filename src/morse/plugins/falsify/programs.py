@@ -10,6 +10,7 @@ import tempfile
 import threading
 from typing import TYPE_CHECKING, Any
 
+from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import quoted
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ _GRACE = 2.0
 _LAST = 2000
 
 
-class ProgramError(Exception):
+class ProgramError(MorseError):
     """A program has failed: it cannot be started, or ends with a status other than 0."""
 
 

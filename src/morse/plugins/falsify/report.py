@@ -305,7 +305,7 @@ def summary(found: Found) -> list[str]:
     lines += [f"Remark: {remark}" for remark in found.remarks]
     for failure in found.failures:
         lines.append(str(failure))
-        lines += [f"    {line}" for line in failure.what]
+        lines += [f"    {line}".replace("\n", "\n    ") for line in failure.what]
         for name, boundary in failure.boundaries.items():
             lines.append(f"    {name}: passes at {shown(boundary.passes)}, fails at {shown(boundary.fails)}")
         if failure.recording:

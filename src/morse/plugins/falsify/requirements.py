@@ -192,7 +192,7 @@ class Monitor(Observer):
         """
         time = self._simulation.time()
         for formula in self._formulas:
-            self._worst[formula.requirement.name] = (*formula.judge(results), time)
+            self._worst[formula.requirement.name] = (*formula.judge(results), None)
         for one in self._requirements:
             if one.of_results:
                 self._worst[one.name] = (*self._of_results(one, results), None)

@@ -315,8 +315,9 @@ class Monitored:
         for name in (VERDICTS, KIND):
             if name in results:
                 raise RequirementError(f"a result cannot be called '{name}': it is another column of the table")
-        texts = [f"{name}={value:.{LONGEST_TEXT}}" for name, value in results.items() if isinstance(value, str)]
-        return {**results, VERDICTS: monitor.verdicts(results), KIND: ", ".join(texts)}
+        texts = {name: value for name, value in results.items() if isinstance(value, str) and value}
+        kind = ", ".join(f"{name}={text:.{LONGEST_TEXT}}" for name, text in texts.items())
+        return {**results, VERDICTS: monitor.verdicts(results), KIND: kind}
 
 
 def _anything(simulation: object, **parameters: object) -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import importlib
 import logging
-import math
 import warnings
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from morse.plugins.falsify.expressions import FAR
 from morse.plugins.falsify.space import halton
 from morse.system.extras import install
 
@@ -56,6 +56,16 @@ class Archive:
     def robustness(self) -> NDArray[np.float64]:
         """Their robustness."""
         return self._robustness[: self.count]
+
+    def order(self, target: int) -> NDArray[np.int64]:
+        """The numbers of the runs, the nearest to a violation of a requirement first; those that say nothing last."""
+        robustness = self.robustness[:, target]
+        return np.argsort(np.where(is_known(robustness), robustness, np.inf), kind="stable")
+
+
+def is_known(robustness: NDArray[np.float64] | float) -> Any:
+    """Whether runs say how far a requirement is from being violated: those that end by an error do not."""
+    return np.isfinite(robustness) & (np.asarray(robustness) > -FAR)
 
 
 class Search(Protocol):
@@ -114,9 +124,7 @@ class Guided(Evenly):
         rng, count = self._rng, self._archive.count
         if count < self._even or rng.random() < _ANYWHERE:
             return super().propose(target)
-        robustness = self._archive.robustness[:, target]
-        order = np.argsort(np.where(np.isnan(robustness), np.inf, robustness), kind="stable")
-        elite = order[: max(4, min(40, count // 5))]
+        elite = self._archive.order(target)[: max(4, min(40, count // 5))]
         rank = min(len(elite) - 1, int(rng.exponential(0.15 * len(elite))))
         points = self._archive.points
         parent = points[elite[rank]].copy()
@@ -165,15 +173,14 @@ class Covariance(Evenly):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             if evolution is not None and len(told) >= max(2, evolution.popsize // 2):
-                # those that are still under way, or whose value is no number, do not count
+                # those that are still under way, or say nothing, do not count
                 evolution.tell([list(point) for point, _ in told], [value for _, value in told])
             if evolution is None or evolution.stop():
                 evolution = self._evolutions[target] = self._begun(target)
             self._asked[target] = [np.asarray(point) for point in evolution.ask()]
 
     def _begun(self, target: int) -> Any:
-        robustness = self._archive.robustness[:, target]
-        order = np.argsort(np.where(np.isnan(robustness), np.inf, robustness), kind="stable")
+        order = self._archive.order(target)
         self._starts += 1
         rank = min(self._archive.count - 1, (self._starts - 1) * 3)
         start = np.clip(self._archive.points[order[rank]], 0.02, 0.98)
@@ -183,7 +190,7 @@ class Covariance(Evenly):
     def tell(self, point: NDArray[np.float64], robustness: list[float]) -> None:
         """Take the result of a point that was proposed here."""
         target = self._target_of.pop(point.tobytes(), None)
-        if target is not None and not math.isnan(robustness[target]):
+        if target is not None and is_known(robustness[target]):
             self._told.setdefault(target, []).append((point, robustness[target]))
 
 
@@ -216,7 +223,7 @@ class Bayesian(Evenly):
         distribution = self._optuna.distributions.FloatDistribution(0.0, 1.0)
         axes = {str(axis): distribution for axis in range(self._dimensions)}
         for point, value in zip(self._archive.points, self._archive.robustness[:, target], strict=True):
-            if math.isfinite(value):
+            if is_known(value):
                 values = {str(axis): float(place) for axis, place in enumerate(point)}
                 study.add_trial(self._optuna.trial.create_trial(params=values, distributions=axes, value=float(value)))
         return study
@@ -226,9 +233,9 @@ class Bayesian(Evenly):
         target, trial = self._trials.pop(point.tobytes(), (0, None))
         if trial is not None:
             value = robustness[target]
-            is_number = math.isfinite(value)
-            state = self._optuna.trial.TrialState.COMPLETE if is_number else self._optuna.trial.TrialState.FAIL
-            self._studies[target].tell(trial, value if is_number else None, state=state)
+            is_complete = is_known(value)
+            state = self._optuna.trial.TrialState.COMPLETE if is_complete else self._optuna.trial.TrialState.FAIL
+            self._studies[target].tell(trial, value if is_complete else None, state=state)
 
 
 #: the ways to search, by name
