@@ -38,6 +38,30 @@ def test_friction_determines_how_far_a_crate_slides():
             assert slide(sim, "Crate") == pytest.approx(3.0**2 / (2.0 * friction * G), rel=0.1)
 
 
+SLED = """<mujoco><worldbody><body name="sled" pos="0 0 0.2"><freejoint/>
+<geom type="box" size="0.1 0.1 0.02" mass="1"/>
+<body name="foot" pos="0 0 -0.15"><joint name="turn" axis="0 0 1"/>
+<geom type="box" size="0.5 0.5 0.05" mass="4"/></body>
+</body></worldbody></mujoco>"""
+
+
+def test_the_friction_of_a_robot_is_that_of_its_feet_too(tmp_path):
+    (tmp_path / "sled.xml").write_text(SLED)
+
+    def scene():
+        from morse.builder import Environment, Robot
+
+        Robot(str(tmp_path / "sled.xml"), name="robot")
+        Environment("empty")
+
+    with morse.load(scene) as sim:
+        for friction in (0.3, 0.6):
+            sim.restart()
+            sim.step(30)
+            sim.set_friction("robot", friction)
+            assert slide(sim, "robot") == pytest.approx(3.0**2 / (2.0 * friction * G), rel=0.1)
+
+
 def test_mass_determines_the_acceleration_and_the_weight():
     with morse.load(pushed) as sim:
         robot = sim.robot.component.bge_object

@@ -54,16 +54,35 @@ class Variations:
         self._world.is_stirred = True
 
     def set_friction(self, obj: Posed, friction: float) -> None:
-        """Set the coefficient of sliding friction of all shapes of a body, in all of their contacts.
+        """Set the coefficient of sliding friction of all shapes of a body and of the links that its joints carry.
+
+        It is that of all of their contacts.
 
         Raises:
             ValueError: it is not a number from 0 to 100, or the object has no shapes.
         """
         self.check(obj, "friction", friction)
-        for geom in _geoms(self._world.slots[obj.slot]):
+        for slot in self._carried(self._world.slots[obj.slot]):
+            self._rub(slot, friction)
+
+    def _rub(self, slot: Slot, friction: float) -> None:
+        for geom in _geoms(slot):
             self._world.model.geom_friction[geom, 0] = friction
             self._world.model.geom_priority[geom] = 2
         self._world.is_stirred = True
+
+    def _carried(self, slot: Slot) -> list[Slot]:
+        """A body, and all that move on its joints, such as legs and their feet."""
+        if slot.body <= 0:
+            return [slot]
+        parents = self._world.model.body_parentid
+
+        def is_carried(body: int) -> bool:
+            while body > slot.body:  # the number of a parent is the lower one
+                body = int(parents[body])
+            return body == slot.body
+
+        return [other for other in self._world.slots if is_carried(other.body)]
 
     def check(self, obj: Posed, what: str, value: float) -> None:
         """Raise the error of `set_mass` or `set_friction`; ``what`` is ``mass`` or ``friction``."""
@@ -78,7 +97,7 @@ class Variations:
         else:
             if not 0.0 <= value <= _ROUGHEST:
                 raise ValueError(f"the friction of '{name}' is {value!r}, expected 0 to {_ROUGHEST:g}")
-            if not _geoms(slot):
+            if not any(_geoms(other) for other in self._carried(slot)):
                 raise ValueError(f"'{name}' has no shapes that collide: it has no friction to set")
 
     def present(self) -> dict[str, tuple[float | None, float | None]]:
@@ -104,8 +123,8 @@ class Variations:
             obj = self._world.object_of(self._world.slots[index].frame.node)
             if mass is not None and math.isfinite(mass) and self._world.slots[index].frame.motion is Motion.FREE:
                 self.set_mass(obj, mass)
-            if friction is not None and _geoms(self._world.slots[index]):
-                self.set_friction(obj, friction)
+            if friction is not None:
+                self._rub(self._world.slots[index], friction)
 
 
 def _geoms(slot: Slot) -> list[int]:

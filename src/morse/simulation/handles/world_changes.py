@@ -298,6 +298,8 @@ class WorldChanges:
     def set_friction(self, name: str, friction: float) -> None:
         """Set the coefficient of sliding friction of all shapes of a robot or an object, until the next restart.
 
+        Those of the links that its joints carry, such as feet, are set, too.
+
         Raises:
             KeyError: there is no such object.
             ValueError: it is not a number from 0 to 100, or the object has no shapes.
