@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from morse.core.values import Options
     from morse.plugins.weather.medium import Conditions, Drops
     from morse.rendering import Lens, Picture
+    from morse.sensors.depth_camera import AbstractDepthCamera
     from morse.sensors.video_camera import VideoCamera
 
 #: numbers of levels of the transmission, and of distances
@@ -159,6 +160,7 @@ class DepthInWeather(PictureModifier):
 
     _names = ("Weather",)
     _components = ("AbstractDepthCamera",)
+    component_instance: AbstractDepthCamera
     options: ClassVar[Mapping[str, Option]] = {}
 
     def modify_picture(self, picture: Picture, time: float) -> Picture:
@@ -166,6 +168,6 @@ class DepthInWeather(PictureModifier):
         extinction = present(self.component_instance.context).extinction(VISIBLE)
         if not extinction:
             return picture
-        return picture._replace(
-            depth=np.where(picture.depth * extinction > DEPTH_OF_RANGE, np.float32(0.0), picture.depth)
-        )
+        rays = self.component_instance.lens.rays()
+        distance = picture.depth * np.sqrt((rays * rays).sum(axis=2))
+        return picture._replace(depth=np.where(distance * extinction > DEPTH_OF_RANGE, np.float32(0.0), picture.depth))
