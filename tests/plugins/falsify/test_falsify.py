@@ -14,6 +14,7 @@ import pytest
 from morse.many import Scenario, read_scenario, uniform
 from morse.many.sources import imported
 from morse.plugins.falsify import command as falsify_command
+from morse.plugins.falsify.campaign import kinds_of
 from morse.plugins.falsify.expressions import RequirementError
 from tests.kit.programs import python
 from tests.kit.waiting import wait_until
@@ -496,3 +497,8 @@ def test_names_of_packages_in_many():
         exec("from morse.many import Scenari")
     with pytest.raises(AttributeError, match=r"module 'morse.many' has no attribute 'Scenari'"):
         print(morse.many.Scenari)
+
+
+def test_an_error_with_the_address_of_an_object_is_one_kind():
+    errors = [f"TypeError: <object at {address}> is no number" for address in ("0x7fed59774030", "0x55c1a0be91f0")]
+    assert kinds_of({"error": errors[0]}) == kinds_of({"error": errors[1]})
