@@ -134,9 +134,12 @@ def entered(robot: str, folder: Path) -> list[str]:
     try:
         with morse.load(script, sockets=True) as simulation:
             simulation.step(20)
+            is_on.set()
             with socket.create_connection(("127.0.0.1", port), 60.0) as client:
-                simulation.step(20)
-                is_on.set()
+                # a message waits for a tick if it arrives in the one in which its client was accepted
+                wait_until(lambda: "StreamClient.connection_made" in seen)
+                simulation.step(2)
+                seen.clear()
                 client.sendall(b'{"v": 1.0}\n')
                 wait_until(lambda: "StreamClient.line" in seen)
                 sys.setprofile(note)
