@@ -58,6 +58,21 @@ def added(desk: Desk, model: Model) -> str | None:
     return None
 
 
+def test_other_words_find_it() -> None:
+    words = {model.name: model.words.lower().split() for model in models()}
+    for name, word in [
+        ("Pose", "where"),
+        ("GPS", "where"),
+        ("MotionVW", "wheels"),
+        ("Hokuyo", "lidar"),
+        ("Waypoint", "goto"),
+        ("Human", "walk"),
+        ("Cube", "wall"),
+        ("Sphere", "ball"),
+    ]:
+        assert word in words[name]
+
+
 @pytest.mark.long
 def test_every_component_works_at_once_is_saved_and_loaded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     catalogue = [model for model in models() if model.group in ("sensors", "actuators")]

@@ -62,7 +62,7 @@ _SYNONYMS = {
     "distance": "range sonar obstacle proximity",
     "camera": "eye see image picture photo video vision",
     "image": "camera eye picture",
-    "pose": "position location place localization ground truth",
+    "pose": "position where location place localization ground truth",
     "position": "location place where",
     "imu": "inertial acceleration gyroscope orientation",
     "accelerometer": "acceleration inertial",
@@ -81,18 +81,22 @@ _SYNONYMS = {
     "helicopter": "uav fly rotorcraft",
     "submarine": "underwater auv rov boat",
     "person": "human people pedestrian man",
+    "human": "person people pedestrian walk",
     "lamp": "light headlight torch",
     "lights": "led lamp",
     "loudspeaker": "sound speaker audio noise",
     "temperature": "heat thermal thermometer",
     "battery": "energy charge power",
-    "waypoint": "navigate goal target path",
-    "destination": "navigate goal target",
+    "waypoint": "navigate goto goal target path",
+    "destination": "navigate goto goal target",
     "path": "trajectory route",
     "gps": "satellite gnss latitude longitude",
     "odometry": "encoder ticks travelled distance",
     "encoders": "odometry wheel ticks",
     "vehicle": "car truck jeep",
+    "cube": "box block wall obstacle",
+    "sphere": "ball",
+    "cylinder": "post pillar column",
 }
 _cache = Cache("pictures", 2000)
 
@@ -135,7 +139,8 @@ def models(sources: Sequence[str] = ()) -> list[Model]:
     for name in builder.__all__:
         cls = getattr(builder, name)
         if isinstance(cls, type) and issubclass(cls, BlenderObject) and name not in _NO_SOLIDS:
-            items.append(Model(name, name, "solids, lamps and cameras", (inspect.getdoc(cls) or "").partition("\n")[0]))
+            doc = (inspect.getdoc(cls) or "").partition("\n")[0]
+            items.append(Model(name, name, "solids, lamps and cameras", doc, _SYNONYMS.get(name.lower(), "")))
     for name in search.available("props"):
         items += _objects(name, "props")
     labels = {item.name for item in items}
