@@ -123,8 +123,8 @@ def test_others_read_while_the_simulation_runs(tmp_path: Path) -> None:
         ('pose.add_stream("text", file=3)', "file"),
         ('pose.add_stream("text", files="a")', "did you mean 'file'"),
         ('pose.add_stream("text"); pose.add_stream("text")', "is the file of another stream of robot.pose"),
-        ('pose.add_stream("text", direction="IN")', "cannot carry"),
-        ('m = MotionVW(); robot.append(m); m.add_stream("text")', "cannot carry"),
+        ('pose.add_stream("text", direction="IN")', "cannot take commands"),
+        ('m = MotionVW(); robot.append(m); m.add_stream("text")', "cannot take commands"),
         ('m = VideoCamera(); robot.append(m); m.add_stream("text")', "cannot carry"),
     ],
 )

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from morse.builder import workspace
 from morse.builder.components.robot import Robot
 from morse.builder.errors import checks
-from morse.plugins.facilities.panels import door_places, lift_places, panel
 
 if TYPE_CHECKING:
     from morse.scene import Node
@@ -57,6 +56,9 @@ class Door(Robot):
             "Hold": checks.number(hold, "Door(hold)", minimum=0.0, maximum=1e6),
             "Duration": checks.number(duration, "Door(duration)", minimum=0.1, maximum=1000.0),
         }
+        # `from morse.builder import *` loads no numpy
+        from morse.plugins.facilities.panels import door_places, panel
+
         super().__init__("", name)
         self.scene_node.properties.update(values)
         paint, count = (_WOOD, 1) if kind == "hinged" else (_STEEL, 2 if kind == "double" else 1)
@@ -117,6 +119,8 @@ class Lift(Robot):
             "Acceleration": checks.number(acceleration, "Lift(acceleration)", minimum=0.05, maximum=10.0),
             "Hold": checks.number(hold, "Lift(hold)", minimum=0.0, maximum=1e6),
         }
+        from morse.plugins.facilities.panels import lift_places, panel
+
         super().__init__("", name)
         self.scene_node.properties.update(values)
         own = name or "lift"

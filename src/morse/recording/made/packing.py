@@ -30,7 +30,7 @@ MESH_ARRAYS = {"vertices": "<f4", "triangles": "<i4", "material_index": "<i4", "
 SHAPE_ARRAYS = {"vertices": "<f8", "heights": "<f8"}
 _ATOMS = (type(None), bool, int, float, str)
 #: packages whose classes every installation has
-OWN = ("morse.actuators.", "morse.modifiers.", "morse.robots.", "morse.sensors.", "morse.core.")
+OWN = tuple(f"morse.{package}." for package in ("actuators", "core", "modifiers", "plugins", "robots", "sensors"))
 
 
 class Packing:
