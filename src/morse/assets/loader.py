@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import logging
+import math
 import os
 import reprlib
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from morse.assets.errors import AssetError
 from morse.assets.formats import ARGUMENTS, reader_of
@@ -136,6 +135,8 @@ def _faults(node: Node) -> Iterator[str]:
 
 
 def _faults_of_mesh(mesh: Mesh) -> Iterator[str]:
+    import numpy as np
+
     count = len(mesh.triangles)
     for name, kinds, shape in (
         ("vertices", "f", (len(mesh.vertices), 3)),
@@ -161,10 +162,10 @@ def _faults_of_mesh(mesh: Mesh) -> Iterator[str]:
 def _are_numbers(values: Iterable[object], count: int) -> bool:
     """Whether these are so many finite numbers."""
     try:
-        array = np.array(list(values), float)
-    except (TypeError, ValueError):
+        numbers = [float(value) for value in values]  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
         return False
-    return array.shape == (count,) and bool(np.isfinite(array).all())
+    return len(numbers) == count and all(map(math.isfinite, numbers))
 
 
 def _warn(path: Path, library: Library, *, read: bool = False) -> None:
