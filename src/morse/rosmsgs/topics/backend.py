@@ -93,7 +93,9 @@ class ServiceServer(ABC):
 
 
 class Backend(ABC):
-    """A participant of a ROS 2 domain. All methods are called in the simulation thread and are non-blocking.
+    """A participant of a ROS 2 domain. Its methods do not block, and are called in the simulation thread.
+
+    If `takes_threads` is true, another thread may call `encode`, and `Publisher.publish` of its publishers.
 
     Attributes:
         name: the value of ``backend`` in ``env.configure_stream_manager('ros2', backend=...)``.
