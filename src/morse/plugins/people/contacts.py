@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.plugins.people.wayfinding import hull
+from morse.scene import PhysicsType
 from morse.scene.extent import corners
 from morse.scene.frames import rigid_frame
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.world import Body
     from morse.scene import Node
 
     Floats = NDArray[np.float64]
@@ -80,6 +82,19 @@ class Footprint(NamedTuple):
     low: float
     high: float
     discs: Floats
+
+
+class Mover(NamedTuple):
+    """A robot that people may see and touch."""
+
+    body: Body
+    print: Footprint
+    seen: NDArray[np.bool_]
+
+
+def is_placed(node: Node) -> bool:
+    """Whether explicit calls move a body that others touch."""
+    return node.body.type is PhysicsType.KINEMATIC and node.body.collides
 
 
 def footprint(node: Node, bodies: Iterable[Node]) -> Footprint | None:

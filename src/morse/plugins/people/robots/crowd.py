@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from morse.core.services import service
 from morse.core.state import StateError
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.people.contacts import Footprint, footprint, nearest, press, regions
+from morse.plugins.people.contacts import Mover, footprint, is_placed, nearest, press, regions
 from morse.plugins.people.gait import Gait
 from morse.plugins.people.walking import Orca, Others, SocialForce, Walkers, neighbours
 from morse.plugins.people.wayfinding import Ground, Way, inside, walls
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
     from morse.core.world import Body
-    from morse.scene import Node
 
     Floats = NDArray[np.float64]
 
@@ -51,14 +50,6 @@ _MASS = 76.0
 _MOST_WAYS = 64
 
 _Person = Annotated[int, Range(0, 5000)]
-
-
-class _Mover(NamedTuple):
-    """A robot that people may see and touch."""
-
-    body: Body
-    print: Footprint
-    seen: NDArray[np.bool_]
 
 
 def _json(crowd: Crowd, name: str, text: str, kind: type) -> Any:
@@ -169,7 +160,7 @@ class Crowd(Robot):
         self._reported: dict[str, bool] = {}
         self._random = self.context.random(self.name())
         self._flows = self._read_plan()
-        self._movers: list[_Mover] | None = None
+        self._movers: list[Mover] | None = None
         self._others: list[Crowd] = []
         self.flow = np.full(count, -1, dtype=np.intp)
         self.stage = np.zeros(count, dtype=np.intp)
@@ -405,8 +396,7 @@ class Crowd(Robot):
         """Let those enter whose time has come and for whom there is room."""
         due = np.flatnonzero((self.mode == OUTSIDE) & (self.until <= self.clock.time))
         for row in due:
-            doors = self._doors[row]
-            doors = doors[~np.isnan(doors[:, 0])]
+            doors = self._doors[row][~np.isnan(self._doors[row][:, 0])]
             here = self.walkers.position[self.walkers.present]
             if not len(doors):
                 self.mode[row] = LEFT_OUT
@@ -466,7 +456,7 @@ class Crowd(Robot):
             self.mode[rows[arrived]] = STOPPED
             wanted[rows[~arrived]] = self.ground.heading(found, position[rows[~arrived]])
 
-    def _seen(self) -> list[_Mover]:
+    def _seen(self) -> list[Mover]:
         """Return the robots and the moving objects, which people may see and touch."""
         if self._movers is None or self._arrangement != len(self.context.world.objects_by_name):
             self._arrangement = len(self.context.world.objects_by_name)
@@ -485,7 +475,7 @@ class Crowd(Robot):
                 else:
                     share, body = shares.get(name, 1.0), robot.bge_object
                     # what only owns others, such as the panels of a door, is nothing of its own
-                    panels = [node for node in body.node.walk() if _is_placed(node)]
+                    panels = [node for node in body.node.walk() if is_placed(node)]
                     bodies = [self.context.world.object_of(node) for node in panels] if panels else [body]
                     roots |= dict.fromkeys(bodies, share)
             nodes = {body.node for body in roots}
@@ -499,12 +489,12 @@ class Crowd(Robot):
             for body, share in roots.items():
                 outline = footprint(body.node, [node for node in body.node.walk() if node.body.collides])
                 if outline is not None:
-                    self._movers.append(_Mover(body, outline, self.alert < share))
+                    self._movers.append(Mover(body, outline, self.alert < share))
         return self._movers
 
     _arrangement = -1
 
-    def _bodies_around(self, movers: list[_Mover]) -> Others:
+    def _bodies_around(self, movers: list[Mover]) -> Others:
         """Return what people see besides each other: robots, moving objects, other crowds."""
         position, velocity, radius, seen = [], [], [], []
         for mover in movers:
@@ -530,7 +520,7 @@ class Crowd(Robot):
             return Others()
         return Others(np.array(position), np.array(velocity), np.array(radius), np.stack(seen, axis=1))
 
-    def _touch(self, movers: list[_Mover]) -> None:
+    def _touch(self, movers: list[Mover]) -> None:
         """Let people and robots that touch push each other."""
         contacts: list[dict[str, Any]] = []
         walkers, present = self.walkers, np.flatnonzero(self.walkers.present)
@@ -550,7 +540,7 @@ class Crowd(Robot):
             self._reported.pop(key, None)
         self.local_data["contacts"] = contacts
 
-    def _contact(self, mover: _Mover, person: int, place: Any, turn: Any) -> dict[str, Any] | None:
+    def _contact(self, mover: Mover, person: int, place: Any, turn: Any) -> dict[str, Any] | None:
         walkers, body = self.walkers, mover.body
         low, high = (place[2] + height - self._floor for height in (mover.print.low, mover.print.high))
         met = regions(low, high, float(self.gait.height[person]))
@@ -808,8 +798,3 @@ class Crowd(Robot):
             and isinstance(lag, float)
             and abs(lag) < 10.0
         )
-
-
-def _is_placed(node: Node) -> bool:
-    """Whether explicit calls move a body that others touch."""
-    return node.body.type is PhysicsType.KINEMATIC and node.body.collides
