@@ -102,6 +102,13 @@ def _example(kind: type[ViewEvent]) -> ViewEvent:
         "write": False,
         "count": 1,
         "method": "x",
+        "files": [("x.obj", 1)],
+        "upload": 1,
+        "file": 0,
+        "data": "",
+        "factors": (1.0, 1.0, 1.0),
+        "text": "x",
+        "version": "x",
     }
     values |= {"position": (0, 0, 0), "quaternion": (1, 0, 0, 0), "anchor": (0, 0, 0), "target": (0, 0, 0)}
     fields = kind.__struct_fields__

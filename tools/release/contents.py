@@ -26,7 +26,7 @@ SYSTEM_LIBRARIES = {
 }
 #: what a build adds to the files of the repository; the names of scripts and styles of the page contain a digest
 _BUILT = re.compile(
-    r"morse/viewer/static/(index\.html|assets/(icon-[\w-]+\.svg|(index|worker)-[\w-]+\.(css|js)|licences\.txt))"
+    r"morse/viewer/static/(index\.html|assets/(icon-[\w-]+\.svg|(index|worker|codeeditor)-[\w-]+\.(css|js)|licences\.txt))"
     r"|morse/core/classes/definitions/classes\.index|morse/kernel/lib/[\w.-]+"
     r"|morse_simulator-[\w.+-]+\.dist-info/(METADATA|WHEEL|RECORD|entry_points\.txt|licenses/LICENSE)"
 )

@@ -63,6 +63,10 @@ class LedArray(Actuator):
         #: the last pattern that was sent to the view
         self._drawn: np.ndarray | None = None
 
+    def begin_anew(self) -> None:
+        """Show the first pattern again, after a restart."""
+        self._drawn = None
+
     # -- services --------------------------------------------------------------------------
 
     @service

@@ -158,3 +158,11 @@ def test_halton_leaves_no_great_gaps():
     cells = {tuple(cell) for cell in (points * 6).astype(int)}
     assert len(cells) >= 30
     assert ((points >= 0) & (points < 1)).all()
+
+
+def test_the_command_names_all_searches():
+    from morse.plugins.falsify import command
+    from morse.plugins.falsify.search import SEARCHES
+
+    named = command._SEARCHES.partition(": ")[2].rstrip(".").split(", ")
+    assert set(named) == {"auto", *SEARCHES}

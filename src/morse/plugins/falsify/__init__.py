@@ -10,7 +10,3 @@
 
 See ``docs/falsify.md``.
 """
-
-from morse.plugins.falsify.scenario import Scenario
-
-__all__ = ["Scenario"]

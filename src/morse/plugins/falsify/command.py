@@ -12,10 +12,8 @@ from morse.core.exceptions import MorseError
 from morse.core.reports.faults import describe
 from morse.core.reports.log import setup
 from morse.core.reports.printing import echo, harmless_paragraph
-from morse.plugins.falsify.report import PAGE, summary
-from morse.plugins.falsify.scenario import read_scenario
-from morse.plugins.falsify.search import SEARCHES
 
+_SEARCHES = "How to search: auto, random, halton, guided, cma, optuna."
 #: exit status if something has failed, as of a run with faults
 _FAILED = 3
 
@@ -43,9 +41,7 @@ def command(
             "--ray", metavar="ADDRESS", help="Do the runs on a cluster of Ray: auto, local, ray://host:10001."
         ),
     ] = None,
-    search: Annotated[
-        str, typer.Option("--search", metavar="NAME", help=f"How to search: auto, {', '.join(SEARCHES)}.")
-    ] = "auto",
+    search: Annotated[str, typer.Option("--search", metavar="NAME", help=_SEARCHES)] = "auto",
     name: Annotated[
         str | None,
         typer.Option("--scenario", metavar="NAME", help="Variable of the scenario, of several."),
@@ -61,6 +57,10 @@ def command(
     that fail until the software is mended, and JUnit. The same command continues a search that was interrupted. The
     exit status is 3 if something has failed.
     """
+    # imported on demand, so that 'morse -h' does not load the simulator
+    from morse.plugins.falsify.report import PAGE, summary
+    from morse.plugins.falsify.scenario import read_scenario
+
     scenario = read_scenario(file, name)
     setup(level="WARNING")
     executor: Any = None
