@@ -52,8 +52,9 @@ class Panels:
         owner: the body of the component.
     """
 
-    def __init__(self, context: Context, owner: Body, nodes: Sequence[Node]) -> None:
+    def __init__(self, context: Context, owner: Body) -> None:
         self._context = context
+        nodes = [node for node in owner.node.children if node.body.type is PhysicsType.KINEMATIC]
         self._bodies = [context.world.object_of(node) for node in nodes]
         self._rows = context.world.kinematic_bodies(self._bodies)
         position, rotation = owner.world_pose()

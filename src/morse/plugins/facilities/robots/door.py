@@ -13,7 +13,6 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.facilities.panels import Facility, Panels, door_places
-from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
     from morse.core.values import StateData
@@ -51,8 +50,7 @@ class Door(Robot, Facility):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        nodes = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
-        self._panels = Panels(self.context, obj, nodes)
+        self._panels = Panels(self.context, obj)
         # read once, as the panels were made: clients may change properties while the simulation runs
         self._made = self._kind, self._width, self._height
         self._until = -math.inf

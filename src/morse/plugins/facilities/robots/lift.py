@@ -15,7 +15,6 @@ from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.facilities.panels import Facility, Panels, lift_places
-from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
     from morse.core.values import StateData
@@ -58,8 +57,7 @@ class Lift(Robot, Facility):
         super().__init__(obj, parent)
         self.levels: list[float] = json.loads(self._levels)
         self._cabin: list[float] = json.loads(self._size)
-        nodes = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
-        self._panels = Panels(self.context, obj, nodes)
+        self._panels = Panels(self.context, obj)
         self._calls: list[int] = []
         self._until = -math.inf
         self._show()

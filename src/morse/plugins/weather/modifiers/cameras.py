@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from morse.core.values import Options
     from morse.plugins.weather.medium import Conditions, Drops
     from morse.rendering import Lens, Picture
-    from morse.sensors.depth_camera import AbstractDepthCamera
+    from morse.sensors.camera import Camera
     from morse.sensors.video_camera import VideoCamera
 
 #: numbers of levels of the transmission, and of distances
@@ -43,7 +43,27 @@ _SPEEDS = np.array([falling_speed(diameter) for diameter in _DIAMETERS.tolist()]
 _SPEED_OF_FLAKES = 1.2
 
 
-class CameraInWeather(PictureModifier):
+class _OverDistance(PictureModifier):
+    """Knows how far away each pixel is."""
+
+    component_instance: Camera
+    not_state = (*PictureModifier.not_state, "_lens", "_lengths")
+
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
+        super().__init__(component_instance, kwargs)
+        self._lens: Lens | None = None
+        self._lengths: NDArray[np.float32] | None = None
+
+    def distances(self, picture: Picture) -> NDArray[np.float32]:
+        """Return the lengths of the rays of a picture (H, W), m; 0 without a surface."""
+        lens = self.component_instance.lens
+        if self._lens is not lens or self._lengths is None:
+            rays = lens.rays()
+            self._lens, self._lengths = lens, np.sqrt((rays * rays).sum(axis=2))
+        return picture.depth * self._lengths
+
+
+class CameraInWeather(_OverDistance):
     """Veils what is far away, and draws the streaks of near drops and flakes.
 
     The light of a surface reaches the camera with the transmission ``exp(-extinction * distance)``; the air adds light
@@ -55,14 +75,12 @@ class CameraInWeather(PictureModifier):
     _components = ("VideoCamera",)
     options: ClassVar[Mapping[str, Option]] = {}
     component_instance: VideoCamera
-    not_state = (*PictureModifier.not_state, "_known", "_tables", "_lens", "_lengths")
+    not_state = (*_OverDistance.not_state, "_known", "_tables")
 
     def __init__(self, component_instance: Object, kwargs: Options) -> None:
         super().__init__(component_instance, kwargs)
         self._known: Conditions | None = None
         self._tables: tuple[float, NDArray[np.uint16], NDArray[np.uint8]] | None = None
-        self._lens: Lens | None = None
-        self._lengths: NDArray[np.float32] | None = None
 
     def modify_picture(self, picture: Picture, time: float) -> Picture:
         """Return the picture in the present weather."""
@@ -80,14 +98,10 @@ class CameraInWeather(PictureModifier):
         return picture._replace(rgba=rgba)
 
     def _veiled(self, picture: Picture) -> NDArray[np.uint8]:
-        lens = self.component_instance.lens
-        if self._lens is not lens or self._lengths is None:
-            rays = lens.rays()
-            self._lens, self._lengths = lens, np.sqrt((rays * rays).sum(axis=2))
         assert self._tables is not None
         assert picture.rgba is not None
         per_metre, levels, mixed = self._tables
-        scaled = picture.depth * self._lengths * np.float32(per_metre)
+        scaled = self.distances(picture) * np.float32(per_metre)
         # what has no depth is the sky
         scaled[(picture.depth <= 0.0) | (scaled > _DISTANCES - 1)] = _DISTANCES - 1
         place = levels[scaled.astype(np.uint16)]
@@ -155,12 +169,11 @@ def _draw(
     rgba[row, column, :3] = pixels + (np.array(_SKY, np.float32) - pixels) * share
 
 
-class DepthInWeather(PictureModifier):
+class DepthInWeather(_OverDistance):
     """A depth camera measures no farther than the meteorological range, where 5 % of the contrast are left."""
 
     _names = ("Weather",)
     _components = ("AbstractDepthCamera",)
-    component_instance: AbstractDepthCamera
     options: ClassVar[Mapping[str, Option]] = {}
 
     def modify_picture(self, picture: Picture, time: float) -> Picture:
@@ -168,6 +181,5 @@ class DepthInWeather(PictureModifier):
         extinction = present(self.component_instance.context).extinction(VISIBLE)
         if not extinction:
             return picture
-        rays = self.component_instance.lens.rays()
-        distance = picture.depth * np.sqrt((rays * rays).sum(axis=2))
-        return picture._replace(depth=np.where(distance * extinction > DEPTH_OF_RANGE, np.float32(0.0), picture.depth))
+        is_far = self.distances(picture) * extinction > DEPTH_OF_RANGE
+        return picture._replace(depth=np.where(is_far, np.float32(0.0), picture.depth))

@@ -54,7 +54,7 @@ class ScannerInWeather(AbstractModifier):
         light = passage.received(ranges)
         echo = np.where(is_hit, passage.beam.white * light / np.maximum(ranges, 1e-3) ** 2, 0.0)
 
-        random = scanner.context.random_at(f"{scanner.name()}/weather", scanner.clock.tick)
+        random = scanner.tick_random("weather")
         drops = passage.first_drops(random, len(ranges))
         strength = np.where(np.isfinite(drops), passage.beam.threshold, 0.0)
         drops = np.minimum(drops, reach)
