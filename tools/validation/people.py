@@ -139,7 +139,7 @@ def contact() -> Iterator[Figure]:
     region = next(one for one in REGIONS if one.name == "chest")
     overlap, closing, peak, reduced = 0.0, 0.5, 0.0, 1.0 / (1.0 / 75.0 + 1.0 / 60.0)
     for _ in range(60):
-        impulse, force = press(overlap, closing, _TICK, region, 60.0, 75.0)
+        impulse, force, _ = press(overlap, closing, _TICK, region, 60.0, 75.0)
         overlap += _TICK * (closing - 0.5 * impulse / reduced)
         closing -= impulse / reduced
         peak = max(peak, force)

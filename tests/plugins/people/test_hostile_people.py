@@ -209,6 +209,9 @@ def test_a_damaged_state_is_refused(tmp_path, spoil):
         before = sim.state_hash()
         with pytest.raises(StateError, match="people of people"):
             crowd.set_state(state)
+        for touching in ([], {"0 crate": 3.0}, {"0 crate": (0.0, "a", 1.0)}, {"0 crate": (0.0, math.nan, 1.0)}):
+            with pytest.raises(StateError, match="people of people"):
+                crowd.set_state(crowd.get_state() | {"_touching": touching})
         assert sim.state_hash() == before
         sim.step(3)
 

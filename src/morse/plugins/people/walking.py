@@ -207,6 +207,7 @@ class Walkers:
         group: (N,) number of the group; -1 for those who walk alone.
         present: (N,) whether a walker takes part.
         push: (N, 2) N, from outside, in the next step.
+        leave: (N, 2) m/s, at which people are moved out of what they stand in, in the next step; 0 for the others.
         lag: s until ORCA has new velocities.
         planned: (N, 2) m/s, that ORCA has chosen.
     """
@@ -221,6 +222,7 @@ class Walkers:
     group: Indices
     present: NDArray[np.bool_]
     push: Floats
+    leave: Floats
     lag: float = 0.0
     planned: Floats = field(default_factory=lambda: np.zeros((0, 2)))
 
@@ -240,6 +242,7 @@ class Walkers:
             np.full(count, _MASS),
             np.full(count, -1, dtype=np.intp),
             np.ones(count, dtype=bool),
+            np.zeros((count, 2)),
             np.zeros((count, 2)),
             planned=np.zeros((count, 2)),
         )
@@ -273,8 +276,10 @@ class Walkers:
         pushed = (self.push != 0.0).any(axis=1)
         too_fast = (size > most_speed) & ~pushed
         velocity[too_fast] *= (most_speed[too_fast] / size[too_fast])[:, None]
+        leaves = (self.leave != 0.0).any(axis=1)
+        velocity[leaves] = self.leave[leaves] + (seconds / self.mass * self.push.T).T[leaves]
         velocity[~self.present] = 0.0
-        self.push[:] = 0.0
+        self.push[:] = self.leave[:] = 0.0
         before = self.position
         self.position = self.ground.keep_out(before, before + seconds * velocity, _BY_WALLS * self.radius)
         self.velocity = np.where(self.present[:, None], (self.position - before) / seconds, 0.0)

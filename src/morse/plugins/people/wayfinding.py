@@ -36,7 +36,7 @@ _ROOM = 0.45
 _NARROW = 0.4
 
 
-def walls(nodes: Iterable[Node], floor: float) -> list[Floats]:
+def walls(nodes: Iterable[Node], floor: float, step: float = STEP) -> list[Floats]:
     """Return the convex polygons (V, 2), counter-clockwise, m, in which nobody can walk.
 
     They are the shadows of what is between the height of a step and that of a head.
@@ -44,6 +44,7 @@ def walls(nodes: Iterable[Node], floor: float) -> list[Floats]:
     Args:
         nodes: with collision shapes.
         floor: height of the floor, m.
+        step: m, what is lower is no wall.
     """
     polygons = []
     for node in nodes:
@@ -53,7 +54,7 @@ def walls(nodes: Iterable[Node], floor: float) -> list[Floats]:
         for shape in node.shapes or ():
             if shape.kind is ShapeKind.HEIGHT_FIELD:
                 continue  # the ground itself
-            polygon = _slice(corners(shape, position, rotation), floor + STEP, floor + HEIGHT)
+            polygon = _slice(corners(shape, position, rotation), floor + step, floor + HEIGHT)
             if polygon is not None:
                 polygons.append(polygon)
     return polygons

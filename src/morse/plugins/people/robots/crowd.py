@@ -17,9 +17,9 @@ from morse.core.services import service
 from morse.core.state import StateError
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.people.contacts import Mover, footprint, is_placed, nearest, press, regions
+from morse.plugins.people.contacts import Places, Surroundings
 from morse.plugins.people.gait import Gait
-from morse.plugins.people.walking import Orca, Others, SocialForce, Walkers, neighbours
+from morse.plugins.people.walking import Orca, SocialForce, Walkers
 from morse.plugins.people.wayfinding import Ground, Way, inside, walls
 from morse.scene import PhysicsType
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
     from morse.core.world import Body
+    from morse.scene import Node
 
     Floats = NDArray[np.float64]
 
@@ -40,6 +41,8 @@ _ABSENT = (GONE, OUTSIDE, LEFT_OUT)
 _AROUND = 12.0
 #: m: a person has arrived; m: how far from a solid object people stop who go to it
 _ARRIVES, _BESIDE = 0.4, 3.0
+#: m: nobody begins in something of at least that height
+_FLAT = 0.05
 #: tries for each person to find a free place; places to enter at, one after the other
 _TRIES, _DOORS = 400, 12
 #: s: a contact that lasts longer is a pressure, not an impact (ISO/TS 15066, 5.5.4)
@@ -65,6 +68,16 @@ def _json(crowd: Crowd, name: str, text: str, kind: type) -> Any:
     if not isinstance(value, kind):
         raise MorseError(f"{crowd.name()}: the property {name} is no {kind.__name__}")
     return value
+
+
+def _can_touch(touching: object) -> bool:
+    """Whether contacts of a state are possible."""
+    return isinstance(touching, dict) and all(
+        isinstance(one, tuple | list)
+        and len(one) == 3
+        and all(isinstance(value, float) and abs(value) < 1e12 for value in one)
+        for one in touching.values()
+    )
 
 
 class Crowd(Robot):
@@ -137,7 +150,7 @@ class Crowd(Robot):
     add_property("_plan", "{}", "Plan", "string", "Starts and goals as JSON; written by the scene script")
     add_property("_attention", "{}", "Attention", "string", "Share of the people who see a robot, by its name, as JSON")
 
-    add_state("_touching", dict, "Begin of the contacts of people and robots", unit="s")
+    add_state("_touching", dict, "Contacts of people and robots: begin (s), overlap without force, overlap (m)")
     add_state("_reported", dict, "Contacts that were above the limit")
 
     not_state: ClassVar[tuple[str, ...]] = ("local_data",)
@@ -156,12 +169,11 @@ class Crowd(Robot):
         self._seconds = 1.0 / self.clock.frequency
         self._floor = float(obj.world_pose()[0][2])
         self._law = Orca() if self._model == "orca" else SocialForce()
-        self._touching: dict[str, float] = {}
+        self._touching: dict[str, tuple[float, float, float]] = {}
         self._reported: dict[str, bool] = {}
         self._random = self.context.random(self.name())
         self._flows = self._read_plan()
-        self._movers: list[Mover] | None = None
-        self._others: list[Crowd] = []
+        self._around = Surroundings(self.context, self.name(), self._floor, self._shares, lambda: self.alert)
         self.flow = np.full(count, -1, dtype=np.intp)
         self.stage = np.zeros(count, dtype=np.intp)
         self.mode = np.full(count, WALKS, dtype=np.intp)
@@ -210,16 +222,17 @@ class Crowd(Robot):
         if float((high - low).max()) > 2000.0:
             raise MorseError(f"{self.name()}: starts and goals are {(high - low).max():.0f} m apart: at most 2000 m")
         robots = {declaration.node for declaration in self.context.scene.components if declaration.kind != "sensor"}
-        nodes = []
-        stack = [root for root in self.context.scene.roots if root not in robots]
+        fixed: list[Node] = []
+        loose: list[Node] = []
+        stack = [(root, False) for root in self.context.scene.roots]
         while stack:
-            node = stack.pop()
-            if node.body.moves or node.body.type is PhysicsType.KINEMATIC:
-                continue
+            node, moves = stack.pop()
+            moves |= node in robots or node.body.moves or node.body.type is PhysicsType.KINEMATIC
             if node.body.collides:
-                nodes.append(node)
-            stack += [child for child in node.children if child not in robots]
-        return Ground(walls(nodes, self._floor), low, high, radius)
+                (loose if moves else fixed).append(node)
+            stack += [(child, moves) for child in node.children]
+        self._loose = walls(loose, self._floor, _FLAT)
+        return Ground(walls(fixed, self._floor), low, high, radius)
 
     def _places(self, flow: dict[str, Any]) -> list[Any]:
         """Return the goals of a flow as points and areas."""
@@ -271,7 +284,7 @@ class Crowd(Robot):
         self.walkers.position[:] = self.ground.origin
         begin = left_out = 0
         self._doors = np.zeros((count, _DOORS, 2))
-        placed = np.zeros((0, 2))
+        places = Places(self.ground, self._loose, self._around.crowds())
         for number, flow in enumerate(self._flows):
             rows = np.arange(begin, begin + flow["count"])
             begin += len(rows)
@@ -279,32 +292,27 @@ class Crowd(Robot):
             flow["ways"] = self._ways_of(flow)
             self._make_groups(rows)
             area = np.array(flow["area"])
-            if flow["exact"]:
-                self.walkers.position[rows] = area
-                in_wall = self.ground.clearance(area)[0] < self.ground.radius
-                self.mode[rows[in_wall]] = LEFT_OUT
-                left_out += int(in_wall.sum())
-                placed = np.concatenate([placed, area[~in_wall]])
-                continue
             if flow["over"]:
                 self.mode[rows] = OUTSIDE
                 self.until[rows] = np.sort(random.random(len(rows))) * flow["over"]
                 for row in rows:
-                    self._doors[row] = self._candidates(area, _DOORS, float(self.walkers.radius[row]))
+                    points = self._candidates(places, area, _DOORS, float(self.walkers.radius[row]))
+                    self._doors[row] = points[np.arange(_DOORS) % len(points)] if len(points) else np.nan
+                    left_out += not len(points)
+                self.mode[rows[np.isnan(self._doors[rows, 0, 0])]] = LEFT_OUT
                 continue
-            for row in rows:
-                place = self._free_place(area, row, placed)
+            for number_of_place, row in enumerate(rows):
+                exact = area[number_of_place : number_of_place + 1] if flow["exact"] else None
+                place = self._free_place(places, area, row, exact)
                 if place is None:
                     self.mode[row] = LEFT_OUT
                     left_out += 1
                     continue
                 self.walkers.position[row] = place
-                placed = np.concatenate([placed, place[None]])
+                places.take(place, float(self.walkers.radius[row]))
         self.mode[self.flow < 0] = LEFT_OUT
         if left_out:
-            text = (
-                f"{self.name()}: {left_out} of {count} people are left out: the rest of their area has walls or others"
-            )
+            text = f"{self.name()}: {left_out} of {count} people are left out: the rest of their area is occupied"
             self.context.complaints.warn(text, text)
         self.walkers.present = ~np.isin(self.mode, _ABSENT)
         self._find_lost()
@@ -329,36 +337,37 @@ class Crowd(Robot):
             self.walkers.free_speed[members] = self.walkers.free_speed[members].mean()
             row += size
 
-    def _candidates(self, area: Floats, count: int, radius: float) -> Floats:
-        """Return random points (count, 2) of an area where a body has room; the last one again if there are less."""
+    def _candidates(self, places: Places, area: Floats, count: int, radius: float) -> Floats:
+        """Return up to ``count`` random points (P, 2) of an area where a body has room."""
         low, high = area.min(axis=0), area.max(axis=0)
         found = np.zeros((0, 2))
         for _ in range(20):
             points = low + self._random.random((max(4 * count, 64), 2)) * (high - low)
             points = points[inside(area, points)]
-            points = points[self.ground.clearance(points)[0] > radius]
-            found = np.concatenate([found, points])
+            found = np.concatenate([found, points[places.are_open(points, radius)]])
             if len(found) >= count:
                 break
-        if not len(found):
-            return np.full((count, 2), np.nan)
-        return found[np.minimum(np.arange(count), len(found) - 1)]
+        return found[:count]
 
-    def _free_place(self, area: Floats, row: int, placed: Floats) -> Floats | None:
+    def _free_place(self, places: Places, area: Floats, row: int, exact: Floats | None) -> Floats | None:
+        """Return a place for a person, the exact one (1, 2) if it is given; None if there is no room."""
         radius = float(self.walkers.radius[row])
-        points = self._candidates(area, _TRIES, radius)
-        points = points[~np.isnan(points[:, 0])]
+        if exact is not None:
+            # who begins at an exact place may touch a wall
+            is_good = places.are_open(exact, self.ground.radius) & places.are_free(exact, radius)
+            return np.array(exact[0]) if is_good[0] else None
+        points = self._candidates(places, area, _TRIES, radius)
         # a group begins together
         leader = int(self.walkers.group[row])
         if leader >= 0 and leader != row and self.mode[leader] == WALKS:
             apart = points - self.walkers.position[leader]
             points = points[np.argsort((apart * apart).sum(axis=1), kind="stable")]
-        if not len(points) or not len(placed):
-            return points[0] if len(points) else None
-        distance = 2.0 * max(radius, self._radius) + 0.02
-        i, _ = neighbours(points, distance, placed)
-        good = np.setdiff1d(np.arange(len(points)), i)
-        return points[good[0]] if len(good) else None
+        # most points are free: look at a few first
+        for part in (points[:8], points[8:]):
+            free = np.flatnonzero(places.are_free(part, radius, 0.02))
+            if len(free):
+                return np.array(part[free[0]])
+        return None
 
     def _find_lost(self) -> None:
         """Tell who cannot reach a goal; they stay where they are."""
@@ -385,9 +394,8 @@ class Crowd(Robot):
         self._enter()
         self._advance()
         self._look_ahead()
-        movers = self._seen()
-        others = self._bodies_around(movers)
-        self._touch(movers)
+        others = self._around.seen(self._count)
+        self._touch()
         walkers.step(self._seconds, self._law, others)
         self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted)
         self._show()
@@ -395,18 +403,17 @@ class Crowd(Robot):
     def _enter(self) -> None:
         """Let those enter whose time has come and for whom there is room."""
         due = np.flatnonzero((self.mode == OUTSIDE) & (self.until <= self.clock.time))
-        for row in due:
-            doors = self._doors[row][~np.isnan(self._doors[row][:, 0])]
-            here = self.walkers.position[self.walkers.present]
-            if not len(doors):
-                self.mode[row] = LEFT_OUT
-                continue
-            i, _ = neighbours(doors, 2.5 * max(self._radius, float(self.walkers.radius[row])), here)
-            free = np.setdiff1d(np.arange(len(doors)), i)
+        if not len(due):
+            return
+        places = Places(self.ground, self._around.outlines(), [self.walkers, *self._around.crowds()])
+        for row in due.tolist():
+            doors, radius = self._doors[row], float(self.walkers.radius[row])
+            free = np.flatnonzero(places.are_open(doors, radius) & places.are_free(doors, radius, 0.1))
             if len(free):
                 self.mode[row] = WALKS
                 self.walkers.position[row] = doors[free[0]]
                 self.walkers.present[row] = True
+                places.take(doors[free[0]], radius)
                 self.gait.stand(np.array([row]), self.walkers.position)
 
     def _advance(self) -> None:
@@ -456,137 +463,21 @@ class Crowd(Robot):
             self.mode[rows[arrived]] = STOPPED
             wanted[rows[~arrived]] = self.ground.heading(found, position[rows[~arrived]])
 
-    def _seen(self) -> list[Mover]:
-        """Return the robots and the moving objects, which people may see and touch."""
-        if self._movers is None or self._arrangement != len(self.context.world.objects_by_name):
-            self._arrangement = len(self.context.world.objects_by_name)
-            self._movers, self._others = [], []
-            shares = self._shares
-            for name in shares:
-                if name not in self.context.robots:
-                    hint = nearest_name(name, sorted(self.context.robots))
-                    text = f"{self.name()}.avoids: there is no robot '{name:.80}'{hint}"
-                    self.context.complaints.warn(text, text)
-            roots: dict[Body, float] = {}
-            for name, robot in self.context.robots.items():
-                if isinstance(robot, Crowd):
-                    if robot is not self:
-                        self._others.append(robot)
-                else:
-                    share, body = shares.get(name, 1.0), robot.bge_object
-                    # what only owns others, such as the panels of a door, is nothing of its own
-                    panels = [node for node in body.node.walk() if is_placed(node)]
-                    bodies = [self.context.world.object_of(node) for node in panels] if panels else [body]
-                    roots |= dict.fromkeys(bodies, share)
-            nodes = {body.node for body in roots}
-            for node in self.context.scene.roots:
-                if (
-                    node not in nodes
-                    and node.body.moves
-                    and (found := self.context.world.find_object(node)) is not None
-                ):
-                    roots[found] = 1.0
-            for body, share in roots.items():
-                outline = footprint(body.node, [node for node in body.node.walk() if node.body.collides])
-                if outline is not None:
-                    self._movers.append(Mover(body, outline, self.alert < share))
-        return self._movers
-
-    _arrangement = -1
-
-    def _bodies_around(self, movers: list[Mover]) -> Others:
-        """Return what people see besides each other: robots, moving objects, other crowds."""
-        position, velocity, radius, seen = [], [], [], []
-        for mover in movers:
-            place, turn = mover.body.world_pose()
-            low = place[2] + mover.print.low - self._floor
-            if low > 1.9 or place[2] + mover.print.high - self._floor < 0.05:
+    def _touch(self) -> None:
+        """Let people and things that touch push each other, and tell of those that do so too hard."""
+        data = self.local_data
+        data["contacts"] = contacts = self._around.touch(self.walkers, self.gait.height, self._touching)
+        for key in self._reported.keys() - {f"{one['person']} {one['robot']}" for one in contacts}:
+            del self._reported[key]
+        for one in contacts:
+            key = f"{one['person']} {one['robot']}"
+            if one["force"] <= one["limit"] or key in self._reported:
                 continue
-            linear, angular = mover.body.velocity()
-            for x, y, r in mover.print.discs.tolist():
-                dx, dy = turn[0] * x + turn[1] * y, turn[3] * x + turn[4] * y
-                position.append((place[0] + dx, place[1] + dy))
-                velocity.append((linear[0] - angular[2] * dy, linear[1] + angular[2] * dx))
-                radius.append(r)
-                seen.append(mover.seen)
-        for crowd in self._others:
-            there = crowd.walkers
-            for row in np.flatnonzero(there.present):
-                position.append(tuple(there.position[row].tolist()))
-                velocity.append(tuple(there.velocity[row].tolist()))
-                radius.append(float(there.radius[row]))
-                seen.append(np.ones(self._count, dtype=bool))
-        if not position:
-            return Others()
-        return Others(np.array(position), np.array(velocity), np.array(radius), np.stack(seen, axis=1))
-
-    def _touch(self, movers: list[Mover]) -> None:
-        """Let people and robots that touch push each other."""
-        contacts: list[dict[str, Any]] = []
-        walkers, present = self.walkers, np.flatnonzero(self.walkers.present)
-        for mover in movers:
-            place, turn = mover.body.world_pose()
-            outer = float(np.sqrt((mover.print.outline**2).sum(axis=1)).max())
-            apart = walkers.position[present] - np.array([place[0], place[1]])
-            reach = outer + walkers.radius[present] + 0.1
-            close = present[(apart * apart).sum(axis=1) < reach * reach]
-            for person in close.tolist():
-                contact = self._contact(mover, person, place, turn)
-                if contact is not None:
-                    contacts.append(contact)
-        alive = {f"{one['person']} {one['robot']}" for one in contacts}
-        for key in [key for key in self._touching if key not in alive]:
-            del self._touching[key]
-            self._reported.pop(key, None)
-        self.local_data["contacts"] = contacts
-
-    def _contact(self, mover: Mover, person: int, place: Any, turn: Any) -> dict[str, Any] | None:
-        walkers, body = self.walkers, mover.body
-        low, high = (place[2] + height - self._floor for height in (mover.print.low, mover.print.high))
-        met = regions(low, high, float(self.gait.height[person]))
-        if not met:
-            return None
-        dx, dy = (walkers.position[person] - np.array([place[0], place[1]])).tolist()
-        local = np.array([turn[0] * dx + turn[3] * dy, turn[1] * dx + turn[4] * dy])
-        distance, touched, out = nearest(mover.print.outline, local)
-        overlap = float(walkers.radius[person]) - distance
-        normal = (turn[0] * out[0] + turn[1] * out[1], turn[3] * out[0] + turn[4] * out[1])
-        arm = (turn[0] * touched[0] + turn[1] * touched[1], turn[3] * touched[0] + turn[4] * touched[1])
-        linear, angular = body.velocity()
-        robot = (linear[0] - angular[2] * arm[1], linear[1] + angular[2] * arm[0])
-        own = walkers.velocity[person].tolist()
-        closing = (robot[0] - own[0]) * normal[0] + (robot[1] - own[1]) * normal[1]
-        if overlap + closing * self._seconds <= 0.0:
-            return None
-        # the softest region yields first; the strictest limit holds
-        region = min(met, key=lambda one: one.stiffness)
-        mass = body.mass if body.is_dynamic and body.mass > 0.0 else math.inf
-        impulse, peak = press(overlap, closing, self._seconds, region, mass, float(walkers.mass[person]))
-        if impulse <= 0.0:
-            return None
-        force = impulse / self._seconds
-        walkers.push[person] += (force * normal[0], force * normal[1])
-        if body.is_dynamic:
-            push = (-force * normal[0], -force * normal[1], 0.0)
-            body.wrench(push, (0.0, 0.0, arm[0] * push[1] - arm[1] * push[0]), False)
-        key = f"{person} {body.name}"
-        since = self._touching.setdefault(key, self.clock.time)
-        strict = min(met, key=lambda one: one.pressing)
-        brief = self.clock.time - since < _IMPACT
-        limit = (strict.impact or 0.0) if brief else strict.pressing
-        if peak > limit and key not in self._reported:
             self._reported[key] = True
-            self.local_data["exceeded"] += 1
-            text = f"{body.name} hits person {person} of {self.name()} with {peak:.0f} N, {strict.name}: ISO/TS 15066"
-            self.context.complaints.warn(f"{self.name()} {body.name}", f"{text} permits {limit:.0f} N")
-        return {
-            "person": person,
-            "robot": body.name,
-            "force": peak,
-            "region": strict.name,
-            "limit": limit,
-            "point": [place[0] + arm[0], place[1] + arm[1], place[2] + 0.5 * (mover.print.low + mover.print.high)],
-        }
+            data["exceeded"] += 1
+            text = f"{one['robot']} hits person {one['person']} of {self.name()} with {one['force']:.0f} N, "
+            text += f"{one['region']}: ISO/TS 15066 permits {one['limit']:.0f} N"
+            self.context.complaints.warn(f"{self.name()} {one['robot']}", text)
 
     def _show(self) -> None:
         """Set the bodies and the data."""
@@ -768,14 +659,14 @@ class Crowd(Robot):
             fits = isinstance(given, np.ndarray) and given.dtype == present.dtype and given.shape == present.shape
             if not fits or not np.isfinite(given).all():
                 raise StateError(f"the people of {self.name()} have another '{name}'")
-        if not self._can_be(people):
+        if not self._can_be(people) or not _can_touch(state.get("_touching", {})):
             raise StateError(f"the people of {self.name()} are where, or as, nobody can be")
         super().set_state(state)
         for name in arrays:
             owner = next(one for one in (self.walkers, self.gait, self) if hasattr(one, name))
             setattr(owner, name, people[name].copy())
         self.walkers.lag = people["lag"]
-        self._movers = None
+        self._around.forget()
         self._show()
 
     def _can_be(self, people: dict[str, Any]) -> bool:
