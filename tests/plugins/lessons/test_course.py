@@ -50,6 +50,38 @@ def test_a_lift_that_does_not_rise_is_not_told_to_damp(tmp_path, force, hint):
     assert hint in heavy
 
 
+def test_a_program_that_does_nothing_has_no_points_for_what_it_leaves_out(tmp_path):
+    said = {"dock": "drives and touches nothing", "wall": "touches nothing", "gates": "touches nothing"}
+    for name, what in {**said, "testing": "It is right about", "tuning": "between 0 and 10"}.items():
+        points = [f for f in findings(name, tmp_path, lesson(name).module.START) if what in f.what]
+        assert points
+        assert not any(f.is_right for f in points), name
+
+
+def test_a_post_at_the_right_is_not_told_to_be_at_the_left(tmp_path):
+    points = findings("dock", tmp_path, lesson("dock").module.START)
+    (second, third) = [f.hint for f in points if "looks at it" in f.what][1:]
+    assert "the post is 7 degrees to the right" in second
+    assert "the post is 127 degrees to the right" in third
+
+
+@pytest.mark.parametrize(
+    ("program", "hint"),
+    [
+        ("return 19.6 + 8.0 * (target - height)", "needs damping"),
+        ("return 15.0 * (target - height) - 15.0 * speed(height, seconds) + 0.9 * 19.6", "sum of errors"),
+    ],
+)
+def test_the_hint_of_a_lift_is_of_what_it_lacks(tmp_path, program, hint):
+    text = (
+        "before = []\n\n\ndef speed(height, seconds):\n    before.append(height)\n"
+        "    return (before[-1] - before[-2]) / seconds if len(before) > 1 else 0.0\n\n\n"
+        f"def step(target, height, seconds):\n    {program}\n"
+    )
+    light = next(f for f in findings("pid", tmp_path, text) if "within 2 cm" in f.what)
+    assert hint in light.hint
+
+
 #: lesson, a part of the solution, the fault in its place
 FAULTS = [
     ("line", "1.4 * error", "-1.4 * error"),

@@ -152,6 +152,38 @@ def test_an_endless_loop_is_named_with_its_line(tmp_path):
     assert re.search(r"it is in line [23] of controller.py. Is this an endless loop", finding["hint"])
 
 
+#: programs of which each call drives longer than a call may compute, or waits longer than it may wait
+SLOW = [
+    ("for _ in range(8):\n        drive(lambda d: hard(d - 1.0), 3.0)", "LONGEST_CALL = 0.25", None),
+    ("hard(2.0)", "LONGEST_CALL = 0.25", "has not returned after 0.25 s"),
+    ("time.sleep(600)", "_LONGEST_WAIT = 0.5", "What does it wait for?"),
+    (
+        "for _ in range(50):\n        drive(lambda d: hard(d - 1.0), 3.0)",
+        "LONGEST_CHECK = 3.0",
+        "has not ended after 3 s",
+    ),
+]
+
+
+@pytest.mark.parametrize(("body", "limit", "hint"), SLOW)
+def test_calls_are_limited_and_what_they_drive_is_not(tmp_path, body, limit, hint):
+    (tmp_path / "controller.py").write_text(
+        "import time\n\n\ndef hard(x):\n    end = time.process_time() + (0.001 if x < 2.0 or x > 2.0 else 60.0)\n"
+        "    while time.process_time() < end:\n        pass\n    return max(-1.0, min(1.0, x))\n\n\n"
+        f"def is_right(program, drive):\n    {body}\n    return True\n"
+    )
+    code = (
+        f"import sys; from morse.plugins.lessons import attempt, examining; attempt.{limit};"
+        "examining.main(sys.argv[1:])"
+    )
+    file = tmp_path / "findings.json"
+    subprocess.run(
+        [sys.executable, "-c", code, "testing", str(tmp_path), str(file)], timeout=300, check=False, capture_output=True
+    )
+    hints = " ".join(point["hint"] for point in json.loads(file.read_text()))
+    assert "returned" not in hints and "ended" not in hints if hint is None else hint in hints
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="processes have groups on POSIX systems")
 def test_what_a_program_leaves_behind_ends_with_the_check(tmp_path):
     import fcntl
@@ -210,22 +242,32 @@ def test_a_class_gets_a_table(here, capsys):
     misspelt = here / "results" / "dora" / "odometri"
     misspelt.mkdir(parents=True)
     (misspelt / "controller.py").write_text("x = 1\n")
+    (here / "results" / "emil" / "homework" / "odometry").mkdir(parents=True)
+    (here / "results" / "emil" / "homework" / "odometry" / "controller.py").write_text("x = 1\n")
+    (here / "results" / "fina" / "odometry").mkdir(parents=True)
+    (here / "results" / "fina" / "odometry" / "solution.py").write_text("x = 1\n")
     assert execute(["lesson", "--class", "results"]) == 0
     rows = list(csv.reader((here / "results" / "lessons.csv").open(encoding="utf-8")))
     assert rows == [
         ["student", "odometry"],
-        ["'=HYPERLINK(1)", "0 of 1"],
+        ["'=HYPERLINK(1)", "error"],
         ["anna", "6 of 6"],
-        ["carl", "3 of 6"],
+        ["carl", "2 of 6"],
         ["dora", "–"],
+        ["emil", "–"],
+        ["fina", "–"],
     ]
     said = capsys.readouterr()
     assert "anna" in said.out
     assert re.search(
         r"dora.odometri.controller\.py: there is no lesson 'odometri'; did you mean 'odometry'\?", said.err
     )
-    assert "=HYPERLINK(1), odometry: 0/1: " in said.err
-    assert "has no function update()" in said.err
+    assert "=HYPERLINK(1), odometry: error: controller.py has no function update()" in said.err
+    assert "carl, odometry: 2/6; wrong: The yaw is right within 0.01 rad. It is up to" in said.err
+    assert re.search(r"results.emil has no program: .*, but there is results.emil.homework.odometry", said.err)
+    assert re.search(r"there is no file results.fina.odometry.controller\.py", said.err)
+    assert "Warning: results" in said.err
+    assert not re.search(r"Warning: results.anna", said.err)
 
 
 LESSON = '''

@@ -30,12 +30,20 @@ if TYPE_CHECKING:
     from morse import Simulation
 
 
-#: wall-clock seconds that one call of a student's function may take
+#: processor seconds that one call of a student's function may take; a busy machine takes nothing away from them
 LONGEST_CALL = 10.0
+#: wall-clock seconds of one call, for a function that waits and computes nothing
+_LONGEST_WAIT = 60.0
+#: processor seconds of a whole check
+LONGEST_CHECK = 300.0
 #: items of what a student's function yields; more may be endless
 _MOST_ITEMS = 100_000
 #: simulated seconds between two looks at the program, while its result is shown
 _LOOK = 0.25
+
+
+#: points that are missing if a check has been cut short: what would have been checked later is not known
+PROGRAM_RUNS, CHECK_RUNS, CHECK_ENDS = "The program runs.", "The check runs.", "The check ends."
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +142,9 @@ class Attempt:
         else:
             self.simulation.sleep(seconds)
         self.simulation.measure()
+        if self._watch is not None:
+            # a function of the student that drives has the whole time again after each step
+            self._watch.renew()
 
     def call(self, name: str, *arguments: object) -> object:
         """Call a function of the student's program, and return what it returns; what it yields is a list.
@@ -181,13 +192,13 @@ class Attempt:
         Args:
             on_endless: called in another thread if a function of the student does not return; the process ends then.
         """
-        self._watch = _Watch(self, on_endless)
+        self._watch = _Watch(self, on_endless, math.inf if self._is_shown else LONGEST_CHECK)
         try:
             self._lesson.module.check(self)
         except WrongProgramError as error:
-            self.expect(False, "The program runs.", str(error))
+            self.expect(False, PROGRAM_RUNS, str(error))
         except Exception as error:  # the lesson may be one of a teacher
-            self.expect(False, "The check runs.", f"the lesson itself has failed: {describe(error)}")
+            self.expect(False, CHECK_RUNS, f"the lesson itself has failed: {describe(error)}")
         finally:
             self._watch.close()
             self.tell(is_checked=True)
@@ -248,6 +259,11 @@ class Attempt:
                 watch.end()
 
 
+def at(*place: float) -> str:
+    """A place for a hint, such as ``(1.0, -2.5)``, m."""
+    return f"({', '.join(f'{round(part, 1) + 0.0:.1f}' for part in place)})"
+
+
 def _stamp(file: Path) -> tuple[int, int] | None:
     try:
         status = file.stat()
@@ -278,18 +294,25 @@ def _numbers(name: str, result: object, count: int, expected: str) -> tuple[floa
 
 
 class _Watch:
-    """Ends the process if a function of the student does not return, after the line has been noted."""
+    """Ends the process if a function of the student or the check takes too long, after the line has been noted."""
 
-    def __init__(self, attempt: Attempt, on_endless: Callable[[], None]) -> None:
+    def __init__(self, attempt: Attempt, on_endless: Callable[[], None], longest: float) -> None:
         self._attempt, self._on_endless = attempt, on_endless
         self._main = threading.get_ident()
         self._what = ""
-        self._since: float | None = None
+        self._end = time.process_time() + longest
+        self._longest = longest
+        #: processor and wall-clock time, s, at which the present call has begun
+        self._since: tuple[float, float] | None = None
         self._closed = threading.Event()
         threading.Thread(target=self._look, daemon=True, name="watch of a lesson").start()
 
     def begin(self, what: str) -> None:
-        self._what, self._since = what, time.monotonic()
+        self._what, self._since = what, _now()
+
+    def renew(self) -> None:
+        if self._since is not None:
+            self._since = _now()
 
     def end(self) -> None:
         self._since = None
@@ -299,15 +322,26 @@ class _Watch:
 
     def _look(self) -> None:
         while not self._closed.wait(0.25):
-            since = self._since
-            if since is not None and time.monotonic() - since > LONGEST_CALL:
-                self._attempt.expect(False, "The program runs.", f"{self._what} has not returned{self._line()}")
-                self._on_endless()
-                os._exit(1)
+            since, (computed, passed) = self._since, _now()
+            if since is not None and computed - since[0] > LONGEST_CALL:
+                self._stop(PROGRAM_RUNS, self._endless(f"{LONGEST_CALL:g} s", "Is this an endless loop?"))
+            if since is not None and passed - since[1] > _LONGEST_WAIT:
+                self._stop(PROGRAM_RUNS, self._endless(f"{_LONGEST_WAIT:g} s", "What does it wait for?"))
+            if computed > self._end:
+                self._stop(CHECK_ENDS, f"it has not ended after {self._longest:g} s")
 
-    def _line(self) -> str:
+    def _stop(self, what: str, hint: str) -> None:
+        self._attempt.expect(False, what, hint)
+        self._on_endless()
+        os._exit(1)
+
+    def _endless(self, time_taken: str, question: str) -> str:
         frame = sys._current_frames().get(self._main)
         while frame is not None and not frame.f_code.co_filename.endswith(PROGRAM):
             frame = frame.f_back
         where = "" if frame is None else f": it is in line {frame.f_lineno} of {PROGRAM}"
-        return f" after {LONGEST_CALL:g} s{where}. Is this an endless loop?"
+        return f"{self._what} has not returned after {time_taken}{where}. {question}"
+
+
+def _now() -> tuple[float, float]:
+    return time.process_time(), time.monotonic()

@@ -6,7 +6,7 @@ import csv
 import os
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,6 +16,9 @@ from morse.core.reports.quoting import nearest, spreadsheet_cell
 from morse.plugins.lessons.attempt import Attempt
 from morse.plugins.lessons.catalog import PROGRAM, Lesson, LessonError, lesson, lessons
 from morse.plugins.lessons.examining import Result, examine
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
 
 _ACTIONS = ("start", "show", "check", "task")
 _TABLE = "lessons.csv"
@@ -108,6 +111,21 @@ def _show(chosen: Lesson, place: Path, record: Path | None) -> int:
     return status
 
 
+def _left_out(student: Path, found: Mapping[str, Lesson]) -> Iterator[str]:
+    """What is in the folder of a student and is not checked, because it is not where it is looked for."""
+    folders = sorted(path for path in student.glob("*") if path.is_dir() and not path.name.startswith((".", "_")))
+    for folder in folders:
+        name, program = folder.name, folder / PROGRAM
+        if name in found and not program.is_file():
+            yield f"there is no file {program}"
+        elif name not in found and program.is_file():
+            yield f"{program}: there is no lesson '{name}'{nearest(name, found)}"
+    if not any((folder / PROGRAM).is_file() for folder in folders):
+        elsewhere = next((path for path in sorted(student.rglob(PROGRAM)) if path.is_file()), None)
+        there = f", but there is {elsewhere}" if elsewhere is not None else ""
+        yield f"{student} has no program: expected {student / 'LESSON' / PROGRAM}{there}"
+
+
 def _check_class(results: Path) -> int:
     """A table of the points of all students, who have a folder each."""
     if not results.is_dir():
@@ -127,19 +145,20 @@ def _check_class(results: Path) -> int:
             f"{results} has no program: expected STUDENT/LESSON/{PROGRAM}, for instance anna/line/{PROGRAM}"
         )
     for student in students:
-        for program in sorted(student.glob(f"*/{PROGRAM}")):
-            if program.parent.name not in found:
-                name = program.parent.name
-                text = f"* Warning: {program}: there is no lesson '{name}'{nearest(name, found)}"
-                echo(harmless_paragraph(text), err=True)
+        for text in _left_out(student, found):
+            echo(harmless_paragraph(f"* Warning: {text}"), err=True)
     used = [each.name for each in found.values() if any(task[1] is each for task in tasks)]
 
     def points(task: tuple[str, Lesson]) -> str:
         student, each = task
         result = examine(each, results / student / each.name, is_quiet=True)
-        text = f"{sum(finding.is_right for finding in result.findings)}/{len(result.findings)}"
+        right = sum(finding.is_right for finding in result.findings)
+        # of a check that was cut short, the number of points is not known
+        text = f"{right}/{len(result.findings)}" if result.is_complete else "error"
         wrong = next((finding for finding in result.findings if not finding.is_right), None)
-        reason = "" if wrong is None else f": {wrong.what} {wrong.hint}".rstrip()
+        reason = ""
+        if wrong is not None:
+            reason = f": {wrong.hint}" if not result.is_complete else f"; wrong: {wrong.what} {wrong.hint}".rstrip()
         echo(harmless_paragraph(f"* {student}, {each.name}: {text}{reason}"), err=True)
         return text
 

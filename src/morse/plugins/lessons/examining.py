@@ -18,15 +18,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.plugins.lessons.attempt import Attempt, Finding
+from morse.plugins.lessons.attempt import CHECK_ENDS, CHECK_RUNS, LONGEST_CHECK, PROGRAM_RUNS, Attempt, Finding
 from morse.plugins.lessons.catalog import Lesson, lesson
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: wall-clock seconds of a whole check
-_LONGEST = 300.0
+#: wall-clock seconds of a whole check, for programs that wait; those that compute have less, `LONGEST_CHECK`
+_LONGEST = 1800.0
 #: largest file of findings, bytes
 _LARGEST = 2**20
 
@@ -45,6 +45,12 @@ class Result:
     def is_passed(self) -> bool:
         """Whether all is right."""
         return all(finding.is_right for finding in self.findings)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the check came to its end, so that the points are all that there are."""
+        cut_short = (PROGRAM_RUNS, CHECK_RUNS, CHECK_ENDS)
+        return not any(finding.what in cut_short and not finding.is_right for finding in self.findings)
 
 
 def examine(what: Lesson, folder: Path, *, is_quiet: bool = False, seconds: float = _LONGEST) -> Result:
@@ -67,12 +73,12 @@ def examine(what: Lesson, folder: Path, *, is_quiet: bool = False, seconds: floa
         try:
             status = process.wait(seconds)
         except subprocess.TimeoutExpired:
-            return Result((Finding("The check ends.", False, f"it has not ended after {seconds:g} s"),))
+            return Result((Finding(CHECK_ENDS, False, f"it has not ended after {seconds:g} s"),))
         finally:
             _end(process)
         findings = _read(file)
         if not findings:
-            findings = (Finding("The check ends.", False, f"its process ended with status {status}"),)
+            findings = (Finding(CHECK_ENDS, False, f"its process ended with status {status}"),)
         return Result(findings)
 
 
@@ -94,6 +100,16 @@ def _read(file: Path) -> tuple[Finding, ...]:
         return ()
 
 
+def _limit_computing() -> None:
+    """End this process some time after `LONGEST_CHECK`, also within one long operation of the interpreter."""
+    if sys.platform != "win32":
+        import resource
+
+        longest = int(LONGEST_CHECK) + 30
+        _soft, hard = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (longest if hard < 0 else min(longest, hard), hard))
+
+
 def main(words: Sequence[str]) -> int:
     """Check a program: the name of the lesson, the folder of the student, the file of the findings."""
     name, folder, file = words
@@ -113,6 +129,7 @@ def main(words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
+    _limit_computing()
     _status = main(sys.argv[1:])
     with contextlib.suppress(Exception):  # a program may replace them
         sys.stdout.flush()

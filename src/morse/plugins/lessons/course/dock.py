@@ -14,6 +14,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.plugins.lessons.attempt import at
+
 if TYPE_CHECKING:
     from morse.plugins.lessons.attempt import Attempt
 
@@ -84,12 +86,24 @@ def check(attempt: Attempt) -> None:
         place = robot.pose.data["x"], robot.pose.data["y"]
         gap = math.dist(place, _POST) - _HALF
         bearing = math.remainder(math.atan2(-place[1], _POST[0] - place[0]) - robot.pose.data["yaw"], math.tau)
-        attempt.expect(not contacts.touched, f"Nothing is touched, {start}.", "The robot drives into the post.")
+        drives = math.dist(place, (x, y)) > 0.5
         attempt.expect(
-            still >= 10, f"The robot stops, {start}.", "It still moves after 60 s: return (0, 0) when it has arrived."
+            drives and not contacts.touched,
+            f"The robot drives and touches nothing, {start}.",
+            "It drives into the post or the station." if contacts.touched else f"It stays at {at(*place)} m.",
         )
+        attempt.expect(
+            drives and still >= 10,
+            f"The robot stops, {start}.",
+            "This counts when it has driven."
+            if not drives
+            else "It has touched something before."
+            if contacts.touched
+            else "It still moves after 60 s: return (0, 0) when it has arrived.",
+        )
+        side = "left" if bearing > 0.0 else "right"
         attempt.expect(
             0.5 < gap - 0.4 < 1.5 and abs(bearing) < 0.2,
             f"Its camera is 1 m in front of the post, within 0.5 m, and looks at it, {start}.",
-            f"It is {gap - 0.4:.2f} m away, and the post is {math.degrees(bearing):.0f} degrees to the left.",
+            f"It is {gap - 0.4:.2f} m away, and the post is {abs(math.degrees(bearing)):.0f} degrees to the {side}.",
         )

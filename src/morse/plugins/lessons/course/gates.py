@@ -13,6 +13,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.plugins.lessons.attempt import at
+
 if TYPE_CHECKING:
     from morse.plugins.lessons.attempt import Attempt
 
@@ -90,16 +92,20 @@ def check(attempt: Attempt) -> None:
         after = tuple(drone.pose.data[axis] for axis in "xyz")
         flown += _through(before, after, _GATES[flown])
         before, steps = after, steps + 1
-    place = ", ".join(f"{part:.1f}" for part in before)
-    attempt.expect(not contacts.touched, "The quadrotor touches nothing.", f"It touches something at ({place}).")
+    place = at(*before)
+    attempt.expect(
+        flown and not contacts.touched,
+        "The quadrotor touches nothing.",
+        f"It touches something at {place} m." if contacts.touched else "This counts when it has flown through a gate.",
+    )
     for k in range(len(_GATES)):
         attempt.expect(
             flown > k,
             f"It flies through gate {k + 1}.",
-            f"Gate {flown + 1} is the next one; it ends at ({place})." if flown == k else f"Gate {k} comes before it.",
+            f"Gate {flown + 1} is the next one; it ends at {place} m." if flown == k else f"Gate {k} comes before it.",
         )
     attempt.expect(
         flown == len(_GATES),
         "It needs at most 60 s.",
-        f"It is at ({place}) after {steps / 20:.0f} s, behind {flown} of {len(_GATES)} gates.",
+        f"It is at {place} m after {steps / 20:.0f} s, behind {flown} of {len(_GATES)} gates.",
     )

@@ -13,6 +13,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.plugins.lessons.attempt import at
+
 if TYPE_CHECKING:
     from morse.plugins.lessons.attempt import Attempt
 
@@ -96,12 +98,12 @@ def check(attempt: Attempt) -> None:
             break
         if math.dist(place, missing[0]) < 0.8:
             missing.pop(0)
-    end = f"({robot.pose.data['x']:.1f}, {robot.pose.data['y']:.1f})"
+    end = at(robot.pose.data["x"], robot.pose.data["y"])
     attempt.expect(len(missing) < len(marks), "The robot reaches the first bend.", f"It is at {end} m at the end.")
     attempt.expect(
         not missing,
         "It comes around within 90 s.",
-        f"It passes {len(marks) - len(missing)} of 4 marks; it ends at {end}.",
+        f"It passes {len(marks) - len(missing)} of 4 marks; it ends at {end} m.",
     )
     attempt.expect(
         not missing and off / steps < _NEAR,

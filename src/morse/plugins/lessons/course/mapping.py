@@ -118,5 +118,5 @@ def check(attempt: Attempt) -> None:
     attempt.expect(
         cells and not empty,
         "Each cell has something in it.",
-        f"{len(empty)} cells are empty, such as {min(empty, default='')}.",
+        f"{len(empty)} cells are empty, such as {min(empty)}." if empty else "This counts when there are cells.",
     )

@@ -16,6 +16,8 @@ import itertools
 import math
 from typing import TYPE_CHECKING
 
+from morse.plugins.lessons.attempt import at
+
 if TYPE_CHECKING:
     from morse.plugins.lessons.attempt import Attempt
 
@@ -104,10 +106,16 @@ def check(attempt: Attempt) -> None:
     for start, goal in _WAYS:
         name = f"from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g})"
         way = _way(attempt, _BOXES, start, goal)
-        if not attempt.expect(way, f"There is a way {name}.", "plan() returned no list of two or more points (x, y)."):
+        ends = way and math.dist(way[0], start) < 0.3 and math.dist(way[-1], goal) < 0.3
+        attempt.expect(
+            ends,
+            f"There is a way {name}.",
+            f"It goes from {at(*way[0])} to {at(*way[-1])}."
+            if way
+            else "plan() returned no list of two or more points (x, y).",
+        )
+        if not way:
             continue
-        ends = math.dist(way[0], start) < 0.3 and math.dist(way[-1], goal) < 0.3
-        attempt.expect(ends, f"The way {name} begins and ends there.", f"It goes from {way[0]} to {way[-1]}.")
         length = sum(math.dist(a, b) for a, b in itertools.pairwise(way))
         count = max(2, min(10000, int(length / 0.05)))
         points = [

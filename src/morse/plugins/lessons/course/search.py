@@ -14,6 +14,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.plugins.lessons.attempt import at
+
 if TYPE_CHECKING:
     from morse.plugins.lessons.attempt import Attempt
 
@@ -114,7 +116,5 @@ def check(attempt: Attempt) -> None:
         attempt.expect(
             found,
             f"It finds {name}.",
-            f"It has touched a wall at ({place[0]:.1f}, {place[1]:.1f})."
-            if touched
-            else f"It is at ({place[0]:.1f}, {place[1]:.1f}) after 180 s.",
+            f"It has touched a wall at {at(*place)} m." if touched else f"It is at {at(*place)} m after 180 s.",
         )

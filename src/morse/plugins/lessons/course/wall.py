@@ -13,6 +13,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.plugins.lessons.attempt import at
+
 if TYPE_CHECKING:
     from morse.plugins.lessons.attempt import Attempt
 
@@ -81,12 +83,17 @@ def check(attempt: Attempt) -> None:
         place = robot.pose.data["x"], robot.pose.data["y"]
         if math.dist(place, missing[0]) < 1.3:
             missing.pop(0)
-    end = f"({robot.pose.data['x']:.1f}, {robot.pose.data['y']:.1f})"
-    attempt.expect(not contacts.touched, "The robot touches nothing.", f"It drives into a wall at {end}.")
+    end = at(robot.pose.data["x"], robot.pose.data["y"])
+    drives = len(missing) < len(marks)
+    attempt.expect(
+        drives and not contacts.touched,
+        "The robot touches nothing.",
+        f"It drives into a wall at {end} m." if contacts.touched else "This counts when it reaches the first side.",
+    )
     attempt.expect(
         not missing,
         "It comes around within 120 s.",
-        f"It passes {len(marks) - len(missing)} of the 4 sides; it ends at {end}.",
+        f"It passes {len(marks) - len(missing)} of the 4 sides; it ends at {end} m.",
     )
     mean = sum(errors) / max(1, len(errors))
     attempt.expect(
