@@ -42,7 +42,7 @@ def test_the_file_that_is_handed_out_runs_and_fails_with_a_hint(name, tmp_path):
     assert [f.what for f in wrong if not f.hint] == []
 
 
-@pytest.mark.parametrize(("force", "hint"), [(0.0, "has to rise above 1.5 m"), (60.0, "needs damping")])
+@pytest.mark.parametrize(("force", "hint"), [(0.0, "has to rise above 1.5 m"), (60.0, "less force")])
 def test_a_lift_that_does_not_rise_is_not_told_to_damp(tmp_path, force, hint):
     points = findings("pid", tmp_path, f"def step(target, height, seconds):\n    return {force}\n")
     (light, heavy) = [f.hint for f in points if "stays below" in f.what]
@@ -69,6 +69,7 @@ def test_a_post_at_the_right_is_not_told_to_be_at_the_left(tmp_path):
     ("program", "hint"),
     [
         ("return 19.6 + 8.0 * (target - height)", "needs damping"),
+        ("return 60.0", "less force when it is too high"),
         ("return 15.0 * (target - height) - 15.0 * speed(height, seconds) + 0.9 * 19.6", "sum of errors"),
     ],
 )
@@ -80,6 +81,16 @@ def test_the_hint_of_a_lift_is_of_what_it_lacks(tmp_path, program, hint):
     )
     light = next(f for f in findings("pid", tmp_path, text) if "within 2 cm" in f.what)
     assert hint in light.hint
+
+
+def test_a_way_through_boxes_is_not_told_to_be_long(tmp_path):
+    points = findings("planning", tmp_path, lesson("planning").module.START)
+    assert [f.hint for f in points if "longer than" in f.what] == ["This counts when it keeps off them."] * 3
+
+
+def test_what_is_no_truth_value_is_named(tmp_path):
+    (point,) = findings("testing", tmp_path, "def is_right(program, drive):\n    return drive(program, 5.0)[2:]\n")
+    assert point.hint == "is_right() returned (False,), expected True or False"
 
 
 #: lesson, a part of the solution, the fault in its place

@@ -9,7 +9,10 @@ A program shall stop a robot before a wall: 0.5 m to 1.5 m before it, wherever t
 
 from __future__ import annotations
 
+import reprlib
 from typing import TYPE_CHECKING
+
+from morse.plugins.lessons.attempt import WrongProgramError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -104,6 +107,8 @@ def check(attempt: Attempt) -> None:
     for name, (program, is_right) in _PROGRAMS.items():
         runs = 0
         says = attempt.call("is_right", program, drive)
+        if type(says).__name__ not in ("bool", "bool_"):  # also of numpy
+            raise WrongProgramError(f"is_right() returned {reprlib.repr(says)}, expected True or False")
         attempt.expect(
             runs and bool(says) is is_right,
             f"It is right about {name}.",
