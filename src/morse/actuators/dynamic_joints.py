@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import eq
 from typing import TYPE_CHECKING, Literal
 
 from morse.actuators.joint_services import JointServices
@@ -14,6 +15,9 @@ from morse.scene import Control, JointKind, controls_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from morse.core.robot import Robot
     from morse.core.world import Body, Joints
@@ -161,8 +165,8 @@ class DynamicJoints(JointServices):
         return super().joint_values if self._motors is None else tuple(self._motors.positions(self.joints))
 
     @property
-    def joint_state(self) -> tuple[list[float], list[float], list[float]] | None:
-        """The present values, velocities and efforts in one call; None if the joints are not dynamic."""
+    def joint_state(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None:
+        """The present values, velocities and efforts in one call, (J,) each; None if the joints are not dynamic."""
         return None if self._motors is None else self._motors.measured(self.joints)
 
     @property
@@ -255,11 +259,14 @@ class DynamicJoints(JointServices):
     def _move_to(self, values: Sequence[float]) -> None:
         if self._motors is None:
             super()._move_to(values)
-        elif list(values) != self._values:
+            return
+        before, self._values = self._values, list(values)
+        names = self.joints
+        if True not in map(eq, self._values, before):
+            self._motors.tell(names, self._values)
+        elif self._values != before:
             # wheels that another actuator turns keep their commands
-            numbers = [i for i, (new, old) in enumerate(zip(values, self._values, strict=True)) if new != old]
-            self._values = list(values)
-            names = self.joints
+            numbers = [i for i, (new, old) in enumerate(zip(self._values, before, strict=True)) if new != old]
             self._motors.tell([names[i] for i in numbers], [self._values[i] for i in numbers])
 
     def _bounds(self) -> Sequence[tuple[float, float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated
 
 from morse.core import status
@@ -173,6 +174,9 @@ class JointServices(JointMotion):
         self._speeds: dict[str, float] = {}
         #: speeds and frequency, and the step per tick computed from them
         self._usual: tuple[tuple[float, ...], list[float]] = (), []
+        #: the last steps, and whether one of them is a limit
+        self._known_steps: list[float] = []
+        self._has_steps = True
         #: the joints that a running service waits for; None if no service waits
         self._awaited: list[str] | None = None
 
@@ -180,12 +184,18 @@ class JointServices(JointMotion):
         """Move towards the setpoints."""
         targets = self._wanted()
         if targets != self._values:
-            self._move_to(
-                [
-                    value if -step <= value - here <= step else here + (step if value > here else -step)
-                    for value, here, step in zip(targets, self._values, self._steps(), strict=True)
-                ]
-            )
+            steps = self._steps()
+            if steps is not self._known_steps:
+                self._known_steps, self._has_steps = steps, any(step < math.inf for step in steps)
+            if self._has_steps:
+                self._move_to(
+                    [
+                        value if -step <= value - here <= step else here + (step if value > here else -step)
+                        for value, here, step in zip(targets, self._values, steps, strict=True)
+                    ]
+                )
+            else:
+                self._move_to(targets)
         if self._awaited is not None:
             self._end_if_there(self._awaited, targets)
 

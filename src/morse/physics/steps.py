@@ -49,7 +49,9 @@ class Steps:
         self._tree_asleep = state.data.tree_asleep
         self._asleep = self._tree_asleep.copy()
         self._saved = np.empty(mujoco.mj_stateSize(state.model, _STATE))
-        self._data = state.data
+        self._model, self._data = state.model, state.data
+        #: without sleep, all trees stay as they are
+        self._may_sleep = bool(state.model.opt.enableflags & _SLEEP)
         self._step = state.model.opt.timestep
         self._period = self._step * state.steps
         self.reset()
@@ -87,11 +89,9 @@ class Steps:
             gliding.glides
             or state.has_forces
             or state.touched
-            or state.sliding.has_objects
-            or state.impacts.is_needed
-            or state.wheel_friction.has_wheels
+            or state.changes
             or self._unstable is not None
-            or state.model.opt.enableflags & _SLEEP
+            or self._may_sleep
         )
 
     @property
@@ -166,11 +166,13 @@ class Steps:
             Whether they did not fail.
         """
         state, data = self._state, self._data
-        state.sliding.begin()
-        state.wheel_friction.begin()
-        self._crowding.relieve()
-        mujoco.mj_getState(state.model, data, self._saved, _STATE)
-        self._asleep[:] = self._tree_asleep
+        for change in state.changes:
+            change.begin()
+        if data.ncon > self._crowding.most:
+            self._crowding.relieve()
+        mujoco.mj_getState(self._model, data, self._saved, _STATE)
+        if self._may_sleep:
+            self._asleep[:] = self._tree_asleep
         data.maxuse_con = 0
         try:
             self._run()
@@ -204,23 +206,27 @@ class Steps:
 
     def _run(self) -> None:
         """Run the steps, and move the robots that glide; the state before the tick is saved."""
-        model, data = self._state.model, self._state.data
-        closely, watch = False, self._state.watch
+        state = self._state
+        closely, watch = False, state.watch
         if watch is not None:
             watch.before_step()
+        elif not (state.changes or self._gliding.glides):
+            mujoco.mj_step(self._model, self._data, state.steps)
+            return
+        model, data = self._model, self._data
         while self._gliding.glides:
             touched = self.passage.beside(closely)
             if touched is not None and not touched:
                 return
             mujoco.mj_setState(model, data, self._saved, _STATE)
             # the engine wakes sleeping bodies that are not at their positions
-            settle_fixed(self._state)
-            self._state.sleep.set(self._asleep)
+            settle_fixed(state)
+            state.sleep.set(self._asleep)
             if watch is not None:
                 watch.before_step()
             closely = True
             self._disturb(touched or ())
-        self._state.run(self._state.steps)
+        state.run(state.steps)
 
     def _disturb(self, touched: Iterable[int]) -> None:
         """End the gliding of robots that are touched; they wait before they glide again."""

@@ -111,7 +111,7 @@ class ArmaturePose(Sensor):
     def observe(self) -> Value:
         """Return the present positions, velocities and efforts of the joints, and positions of joints with several.
 
-        Velocities and efforts are None unless the joints are dynamic.
+        They are arrays, (J,) each. Unless the joints are dynamic, positions are a tuple, velocities and efforts None.
         """
         names, motors = self._names, self._motors
         if motors is not None:
@@ -127,10 +127,11 @@ class ArmaturePose(Sensor):
         """Measure the joint values."""
         data = self.local_data
         values, velocities, efforts, loose = self.observation()
-        data.update(zip(self._names, values, strict=True))
         if velocities is None:
+            data.update(zip(self._names, values, strict=True))
             return
-        self.velocities, self.efforts = tuple(velocities), tuple(efforts)
+        data.update(zip(self._names, values.tolist(), strict=True))
+        self.velocities, self.efforts = tuple(velocities.tolist()), tuple(efforts.tolist())
         for bone, position in zip(self._loose, loose, strict=True):
             data[bone.name] = position or data[bone.name]
 

@@ -203,7 +203,8 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
         """
         if self.finished:
             self._check_open()
-        self.check_step(ticks, measure)
+        if type(ticks) is not int or ticks < 0 or not isinstance(measure, bool):
+            self.check_step(ticks, measure)
         for contacts in self._contacts.values():
             contacts.begin()
         advance, stepping, time = self._ticker.advance, self._stepping, self._time
@@ -214,7 +215,8 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
                 remaining = ticks
                 while remaining:
                     remaining -= advance(remaining, measure is True)
-                    stepping.count()
+                    if not stepping.is_idle:
+                        stepping.count()
                     if self._failure is not None or time.interrupted:
                         break
                 else:

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar, overload
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.core.values import Properties, Value
     from morse.mathutils import Matrix, Quaternion, Vector
     from morse.scene import Control, Node
@@ -442,8 +445,8 @@ class Joints(Protocol):
     def file_motors(self) -> Sequence[FileMotor]:
         """The actuators of the file of the armature that are no motors of single joints."""
 
-    def measured(self, names: Sequence[str]) -> tuple[list[float], list[float], list[float]]:
-        """Return the positions, velocities and efforts of joints."""
+    def measured(self, names: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return the positions, velocities and efforts of J joints, (J,) each, which nobody changes afterwards."""
 
     def pull(self, commands: Mapping[str, float]) -> None:
         """Set the commands of actuators of the file: name to command."""

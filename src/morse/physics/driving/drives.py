@@ -256,6 +256,8 @@ class Drives:
         commands, gliding = self._commands, self._gliding
         self._state.kinematic.clear()
         gliding.look()
+        if not (commands or self._fleets or self._sliding):
+            return
         if self._fleets:
             for fleet in self._fleets:
                 commands.update(fleet.begin(self._state, gliding, self._plain, self._slides))
@@ -338,6 +340,8 @@ class Drives:
 
     def after_step(self) -> None:
         """Called at the end of a tick: remove the momentum of shifts, and turn velocities to the new heading."""
+        if not (self._commands or self._fleets or self._turn_after or self._drag.ends):
+            return
         for dof, c, s, shift in self._turn_after:
             glide_velocity.end(self._qvel, dof, c, s, shift)
         self._turn_after.clear()

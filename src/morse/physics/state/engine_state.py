@@ -153,6 +153,9 @@ class Impacts:
         self._resting = _RESTING_STEPS * self._step * norm(model.opt.gravity) + 1e-3
         self._elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
 
+    def begin(self) -> None:
+        """Shapes that bounce do so in all ticks."""
+
     def change(self) -> None:
         """Set what the contacts of shapes that bounce ask for in this step."""
         data, contact = self._data, self._data.contact
@@ -217,6 +220,18 @@ class Impacts:
         return after
 
 
+class Change(Protocol):
+    """Changes contacts in each step of the engine."""
+
+    is_needed: bool
+
+    def begin(self) -> None:
+        """Find out at the beginning of a tick whether it `is_needed`."""
+
+    def change(self) -> None:
+        """Change the contacts of this step."""
+
+
 class Steps(Protocol):
     """Observes the steps of the engine; see `morse.physics.touches.Touches`."""
 
@@ -274,7 +289,7 @@ class EngineState:
         names: name of the first node of each slot; ``named`` maps it to the slot.
         watch: runs the steps and observes them; None if nobody does.
         write_gliders: writes the poses of the robots that glide into ``positions`` and ``rotations``.
-        sliding: runs the steps while objects slide.
+        changes: what may change contacts in this model.
     """
 
     watch: Steps | None = None
@@ -292,7 +307,7 @@ class EngineState:
 
     def take_steps(self, steps: int) -> None:
         """Run steps of the engine."""
-        changes = [one.change for one in (self.sliding, self.impacts, self.wheel_friction) if one.is_needed]
+        changes = [one.change for one in self.changes if one.is_needed]
         if not changes:
             mujoco.mj_step(self.model, self.data, steps)
             return
@@ -313,6 +328,9 @@ class EngineState:
         self.sliding = Sliding(self.model, self.data, self.slots)
         self.impacts = Impacts(self.model, self.data, compiled.restitution)
         self.wheel_friction = WheelFriction(self.model, self.data, compiled.wheels)
+        may_change = self.sliding.has_objects, self.impacts.is_needed, self.wheel_friction.has_wheels
+        every: tuple[Change, ...] = self.sliding, self.impacts, self.wheel_friction
+        self.changes = [one for one, may in zip(every, may_change, strict=True) if may]
         self.geom_node: list[Node] = compiled.geom_node
         self.link_bodies: dict[Node, int] = compiled.link_bodies
         self.planes: dict[int, int] = compiled.planes

@@ -401,8 +401,13 @@ class WorldChanges:
 
     def _measure(self, sensors: Sequence[str] | bool | None, *, again: bool) -> None:
         """Let sensors measure, and note it as a call of the service."""
+        journal = self.context.journal
+        if isinstance(sensors, bool) and not (journal.sinks or journal.is_blank):
+            # nobody takes note of it: the usual end of a step
+            self._ticker.measure(None, again=again)
+            return
         names = sensor_names(sensors)
-        with self.context.journal.input(SERVICE, "simulation", ("measure", [names, again])):
+        with journal.input(SERVICE, "simulation", ("measure", [names, again])):
             self.measure_by_service(names, again)
 
     def measure_by_service(self, names: Sequence[str] | None, again: bool) -> None:

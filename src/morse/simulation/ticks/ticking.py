@@ -226,7 +226,8 @@ class Ticker:
                 return False
             self._actuate()
             self._move()
-            self._answer_sensors()
+            if self._asking_sensors is not None:
+                self._answer_sensors()
             self._sense()
             self._show()
         return True
@@ -358,6 +359,8 @@ class Ticker:
                 units = [unit for unit in self._sensors if not any(unit is one for one in due)]
                 self._others[place] = units, [sensor for sensor in _members(units) if sensor.requests]
             units, asking = self._others[place]
+            if not units:
+                return
             with self._acting:
                 if asking:
                     serve(asking, self._guard)
@@ -444,7 +447,7 @@ class Ticker:
 
     def _end_services(self) -> None:
         """End the services that are due at this time, such as sleeps, and answer them."""
-        if alarmed := self._alarmed():
+        if self._served and (alarmed := self._alarmed()):
             self._guard.each(alarmed, _act, self._stop_serving)
         if self._services.has_work():
             self._services.answer()
