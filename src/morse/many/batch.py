@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from types import TracebackType
 
+    from numpy.typing import NDArray
+
     from morse.core.guard import Failure
     from morse.many.joint_step import Command
     from morse.scene import Scene
@@ -165,7 +167,11 @@ class Batch(RowArrays):
             commands: the columns of commands, and the rows that have one.
             measures: whether there are ticks, at whose end all sensors measure; else nothing happens in these rows.
         """
-        batched_step, simulations = self._batched_step, self._simulations
+        batched_step = self._batched_step
+        if batched_step.has_only_joints:
+            if measures:
+                self._after(batched_step.joint_step.run(ticks, commands), ticks)
+            return
         gliding, jointed = batched_step.members, batched_step.joint_step.members
         changes = np.zeros(len(self), bool)
         if measures and gliding.any():
@@ -177,12 +183,16 @@ class Batch(RowArrays):
         if not measures:
             self._step_rows(np.flatnonzero(~(gliding | jointed)).tolist(), ticks, False)
             return
-        ran = batched_step.run(ticks, changes, commands)
+        self._after(batched_step.run(ticks, changes, commands), ticks)
+
+    def _after(self, ran: NDArray[np.int64], ticks: int) -> None:
+        """Let the rows that have run fewer ticks together with others run the rest."""
+        simulations = self._simulations
         rest = np.flatnonzero(ran < ticks).tolist()
         if rest:
             self._each(rest, lambda row: simulations[row].step(ticks - int(ran[row]), measure=True))
             self._update(rest)
-            batched_step.join(rest)
+            self._batched_step.join(rest)
         for reading in self._readings:
             if isinstance(reading, ContactColumn):
                 reading.begin(np.flatnonzero(ran == ticks))

@@ -15,6 +15,7 @@ import numpy as np
 from morse.core.rows.columns import columns_of
 from morse.core.rows.rows import SensorRows
 from morse.kernel.batched import Courses, Lanes
+from morse.kernel.joints import Gathered
 from morse.kernel.rays import Hits
 from morse.many.joint_step import JointStep
 from morse.mathutils.rotations import turn, turn_back
@@ -34,8 +35,10 @@ if TYPE_CHECKING:
 
 
 _FIRST = np.zeros(1, np.intp)
-#: smallest number of rows for which arrays pay
+#: smallest number of rows for which arrays pay, of rows that glide
 _LEAST = 2
+#: number of rows of which numbers take less time than arrays
+_FEW = 8
 #: the field of all sensors with the time of the measurement
 _TIME = "timestamp"
 
@@ -63,7 +66,7 @@ class BatchedStep:
         self._is_possible = count >= _LEAST
         self.joint_step = JointStep(simulations, commands, self._columns)
         #: rows that may be members of `joint_step` from their next step on, and whether all data can be read of them
-        self._fresh, self._has_columns = set(range(count)), count >= _LEAST
+        self._fresh, self._has_columns = set(range(count)), True
 
     def read(self, column: DataColumn) -> None:
         """Take note of data that are read after each step."""
@@ -88,7 +91,12 @@ class BatchedStep:
     @property
     def is_empty(self) -> bool:
         """Whether no row goes on together with others."""
-        return not (self.members.any() or self.joint_step.members.any())
+        return not (self.joint_step.count or self.members.any())
+
+    @property
+    def has_only_joints(self) -> bool:
+        """Whether all rows go on together because only joints move in them."""
+        return self.joint_step.count == len(self.members)
 
     def begin(self) -> None:
         """Let those rows be members of `joint_step` that may be from the first step on."""
@@ -246,7 +254,7 @@ class Reading:
         cls, layout = type(column.handles[0].component), column.layout
         columns = columns_of(cls)
         self.is_possible = columns is not None and layout.is_numeric_in((*columns.fields, _TIME))
-        self.has_joints = columns is None and layout.dtype.kind == "f" and hasattr(cls, "joint_places")
+        self.has_joints = columns is None and layout.dtype == np.float64 and hasattr(cls, "joint_places")
         self.has_rates = columns is None and layout.dtype.kind == "f" and hasattr(cls, "rate_place")
         self._slots = np.zeros(rows, np.int64)
         self._mountings: list[Any] = [None] * rows
@@ -257,11 +265,15 @@ class Reading:
         self._lanes: Lanes | None = None
         fields = [name for name in layout.fields if name != _TIME]
         self._joints = fields
-        #: places of the joints, or of the rates of turn, in the positions and speeds of the engine
-        self._places = np.zeros((rows, 3 if self.has_rates else len(fields)), np.intp)
+        #: places of the rates of turn among the speeds of the engine
+        self._places = np.zeros((rows, 3), np.intp)
         self._numbers = [number for number, name in enumerate(layout.fields) if name != _TIME]
+        self._gathered: Gathered | None = None
+        self._one = columns.one if columns is not None else None
         if columns is not None and self.is_possible:
             self._of, self._keep = columns.of, columns.keep
+            #: the place of each field among the numbers of one sensor, which the time follows
+            self._order = [[*columns.fields, _TIME].index(name) for name in layout.fields]
             self._lanes = Lanes(rows) if columns.keep is not None else None
 
     @property
@@ -277,9 +289,11 @@ class Reading:
             return False
         if self.has_joints:
             places = component.joint_places(self._joints) if isinstance(courses, EngineRows) else None
-            if places is None:
+            if places is None or not isinstance(courses, EngineRows):
                 return False
-            self._places[row] = places
+            if self._gathered is None:
+                self._gathered = Gathered(courses.kernel, self._column.numbers)
+            self._gathered.places[row, self._numbers] = np.add(places, courses.kernel.sizes.positions)
             return True
         if self.has_rates:
             place = component.rate_place(self._joints) if isinstance(courses, EngineRows) else None
@@ -315,9 +329,16 @@ class Reading:
     def update(self, rows: NDArray[np.int64], courses: Courses | EngineRows, times: NDArray[np.float64]) -> None:
         """Write the data of some rows, measured at these times (s)."""
         if self.has_joints:
-            assert isinstance(courses, EngineRows)
-            values = courses.joints[rows[:, None], self._places[rows]]
-            self._column.put_numbers(rows, self._numbers, values, times)
+            assert self._gathered is not None
+            self._gathered.update()
+            return
+        if self._one is not None and len(rows) <= _FEW:
+            numbers, slots = self._column.numbers, self._slots
+            for row, time in zip(rows.tolist(), times.tolist(), strict=True):
+                slot, mounting = slots[row], self._mountings[row]
+                pose = courses.positions[row, slot].tolist(), courses.rotations[row, slot].tolist()
+                values = *self._one(*mounting.carried(*pose)), time
+                numbers[row] = [values[place] for place in self._order]
             return
         key = rows.tobytes()
         if self._chosen is None or self._chosen[0] != key:

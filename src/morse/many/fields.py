@@ -124,6 +124,9 @@ class Layout:
         Raises:
             ValueError: see `fill`.
         """
+        if self._are_scalars and len(self.fields) > 1:
+            array[rows] = np.array([data[name] for name in self.fields]).reshape(len(self.fields), -1).T
+            return
         for index, (name, shape) in enumerate(zip(self.fields, self.shapes, strict=True)):
             values = data[name]
             if isinstance(values, np.ndarray) and values.shape[2:] == shape:
@@ -195,16 +198,10 @@ class DataColumn:
         """Take data of some rows, by field; see `Layout.fill_rows`."""
         self.layout.fill_rows(self._values, rows, data)
 
-    def put_numbers(
-        self, rows: NDArray[np.intp], columns: Sequence[int], values: NDArray[np.float64], times: NDArray[np.float64]
-    ) -> None:
-        """Take numbers (M, F) of some rows for some columns, and times (M,), s, for the others."""
-        array = self._values.reshape(len(self._values), -1)
-        if len(columns) == array.shape[1]:
-            array[rows] = values
-            return
-        array[rows] = times[:, None]
-        array[rows[:, None], columns] = values
+    @property
+    def numbers(self) -> NDArray[np.float64]:
+        """The array itself, (N, F), for who writes numbers into it."""
+        return self._values.reshape(len(self._values), -1)
 
     def _data_of(self, row: int) -> Fields:
         component = self.handles[row].component
@@ -319,7 +316,7 @@ class CommandColumn:
         assert mask is not None
         flat = values.reshape(len(values), -1)
         rows = self._every
-        if not mask.all():
+        if np.count_nonzero(mask) < len(rows):
             # in-place operations such as `drive += 1` do not assign
             mask |= (flat != self._initial.reshape(flat.shape)).any(axis=1)
             rows = np.flatnonzero(mask)
@@ -328,7 +325,7 @@ class CommandColumn:
                 self._review(row)
             return rows
         is_valid: NDArray[np.bool_] = (flat >= self._low) & (flat <= self._high)  # not of NaN
-        if not is_valid.all():
+        if np.count_nonzero(is_valid) < is_valid.size:
             for row in rows[~np.all(is_valid, axis=1)[rows]].tolist():
                 self._review(row)
         return rows
@@ -352,10 +349,16 @@ class CommandColumn:
             raise CommandError(error.field, f"row {row}: {self.layout.component}: {error}") from None
 
     def take(self, rows: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Return the commands (M, F) of rows, numbers that `check` has accepted, in place of `publish`."""
-        self._last[rows], self._has_last[rows] = self._plain[rows], True
-        values: NDArray[np.float64] = self._plain[rows].reshape(len(rows), -1)
-        return values
+        """Take note of the commands of some rows, numbers that `check` has accepted, in place of `publish`.
+
+        Returns:
+            (N, F) the commands of all rows, contiguous.
+        """
+        if len(rows) == len(self._every):
+            self._last[:], self._has_last[:] = self._plain, True
+        else:
+            self._last[rows], self._has_last[rows] = self._plain[rows], True
+        return np.ascontiguousarray(self._plain.reshape(len(self._every), -1), np.float64)
 
     def repeat(self, row: int) -> None:
         """Give the last command that `take` has returned for a row, if there is one, to the actuator."""

@@ -86,8 +86,8 @@ class PoseRows(NamedTuple):
 
     def carried(self, slots: NDArray[np.intp] | Sequence[int] | slice) -> tuple[Numbers, Numbers]:
         """The poses (R, N) of objects in the world, as by `Mounting.carried`."""
-        p: list[NDArray[np.float64]] = [self.positions[:, slots, k] for k in range(3)]
-        r: list[NDArray[np.float64]] = [self.rotations[:, slots, k] for k in range(9)]
+        p: list[NDArray[np.float64]] = list(self.positions[:, slots].transpose(2, 0, 1))
+        r: list[NDArray[np.float64]] = list(self.rotations[:, slots].transpose(2, 0, 1))
         if any(one.apart.any() for one in self.mountings):
             apart = np.stack([one.apart for one in self.mountings])
             own = np.stack([one.numbers for one in self.mountings])
