@@ -172,7 +172,7 @@ def test_runs_are_simulated_again_and_shown(tmp_path: Path) -> None:
     ("name", "kind", "why"),
     [
         ("nobody.pose", "Pose", "no robot 'nobody'"),
-        ("robot.camera.pose", "Pose", "no robot 'robot.camera'"),
+        ("robot.nothing.pose", "Pose", "no robot or component 'robot.nothing'"),
         ("robot.pose", "Pose", "already"),
         ("robot.Pose", "Gyroscope", "already"),
         ("robot.a b", "Pose", "word"),

@@ -70,15 +70,17 @@ class PopulationServices(AbstractObject):
 
         Args:
             name: name of the new object: letters (a to z), digits and ``_``; it must not exist in the simulation, nor
-                be reserved, such as ``simulation``; for a component, the name of its robot, a dot, and such a name:
-                ``robot.camera``.
+                be reserved, such as ``simulation``; for a component, the name of its robot, or of the arm, pan-tilt
+                unit or other component that carries it, a dot, and such a name: ``robot.camera``.
             kind: name of a robot in scene scripts, e.g. ``ATRV``, of a robot of the project, e.g.
                 ``ranger_sim.builder.robots:Ranger``, of a model, e.g. ``props/crates``, or of an object of a model,
                 e.g. ``props/crates#small_crate``; a robot of a file, e.g. ``Robot('arm/arm.urdf')``; or the text of a
                 robot in URDF, SDF or MJCF: it has the sensors and the drive of the text. For a component, a class of
                 scene scripts, e.g. ``VideoCamera``, which lines with calls may follow: ``frequency(10)``,
-                ``alter('Noise')``. For an object, the line ``scale(2.0, 2.0, 1.0)`` may follow.
-            position: x, y, z in the world, m; for a component, in the frame of the robot; the origin if not given.
+                ``alter('Noise')``, and ``append(child='hand')`` for a part of what carries it. For an object, the line
+                ``scale(2.0, 2.0, 1.0)`` may follow.
+            position: x, y, z in the world, m; for a component, in the frame of what carries it; the origin if not
+                given, and for the end of an arm its tip.
             orientation: roll, pitch, yaw, rad.
         """
         own = kind if is_description(kind) else kind.partition("\n")[0]

@@ -12,12 +12,15 @@ from morse.assets.collision import resolve_shapes
 from morse.assets.formats import suffixes
 from morse.assets.search import available, project_dirs
 from morse.builder.assembly.spawning import (
+    Mount,
     Newcomer,
     component_again,
     component_of,
     describe_component,
     describe_newcomer,
+    mount_of,
     object_maker,
+    part_and_calls,
     split_kind,
 )
 from morse.builder.names import catalog
@@ -126,20 +129,20 @@ class Population:
     def check(self, name: object, kind: object, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Check what is to be spawned, whoever asks: a program, a client, a page, a saved state or a recording.
 
-        A name with a dot, such as ``robot.camera``, is that of a component of a robot.
+        A name with a dot, such as ``robot.camera`` or ``robot.arm.camera``, is that of a component of a robot.
 
         Raises:
             MorseBuilderError: the name is invalid, reserved or that of something else, the kind is neither a name nor a
                 function, the pose is invalid, or there are too many objects.
         """
         scene = self._simulation.scene
-        robot = self._robot_of(name)
-        if robot is None:
+        carrier = self._carrier_of(name)
+        if carrier is None:
             check_name(name, self._addressed())
         else:
             assert isinstance(name, str)
             own = (one.rpartition(".") for one in self._addressed())
-            check_name(name.rpartition(".")[2], [word for owner, _, word in own if owner == robot.name])
+            check_name(name.rpartition(".")[2], [word for owner, _, word in own if owner == carrier.name])
         assert isinstance(name, str)
         if scene.find(name) is not None:
             raise MorseBuilderError(f"there is already an object '{short(name)}' in the scene")
@@ -153,19 +156,21 @@ class Population:
         if len(scene.roots) + sum("." in one for one in self._recipes) >= _MOST_ROOTS:
             raise MorseBuilderError(f"a scene has at most {_MOST_ROOTS} objects: delete some before you add others")
 
-    def _robot_of(self, name: object) -> Node | None:
-        """The robot of which a name is that of a component; None for the name of an object.
+    def _carrier_of(self, name: object) -> ComponentDeclaration | None:
+        """The robot or component to which a component of that name is attached; None for the name of an object.
 
         Raises:
-            MorseBuilderError: there is no such robot.
+            MorseBuilderError: there is none.
         """
         owner, dot, _ = name.rpartition(".") if isinstance(name, str) else ("", "", "")
         if not dot:
             return None
-        robots = self._simulation.context.robots
-        if owner not in robots:
-            raise MorseBuilderError(f"there is no robot '{short(owner)}'{nearest(owner, list(robots))}")
-        return robots[owner].bge_object.node
+        context = self._simulation.context
+        carriers = [*context.robots, *context.components]
+        if owner not in carriers:
+            what = "robot or component" if "." in owner else "robot"
+            raise MorseBuilderError(f"there is no {what} '{short(owner)}'{nearest(owner, carriers)}")
+        return next(d for d in self._simulation.scene.components if d.name == owner)
 
     def _addressed(self) -> set[str]:
         """The names that clients can address."""
@@ -182,7 +187,7 @@ class Population:
         *,
         by_client: bool = False,
     ) -> None:
-        """Spawn a robot or an object, or a component of a robot at a pose in the frame of the robot.
+        """Spawn a robot or an object, or a component of a robot at a pose in the frame of what carries it.
 
         Raises:
             MorseBuilderError: see `check`; or there is no such kind; or a client spawns more than its budget.
@@ -194,17 +199,22 @@ class Population:
             raise MorseBuilderError(f"clients add at most {_MOST_ADDED} components to robots: delete some first")
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
-        robot = self._robot_of(name)
+        carrier = self._carrier_of(name)
+        mount = None if carrier is None else self._mount(name, kind, carrier)
+        if mount is not None and not any(position):
+            position = mount.usual
         newcomer = self._describe(name, kind, position, rotation, _MOST_COMPONENTS if by_client else None)
         if by_client and isinstance(kind, str) and is_description(kind):
             _check_step(name, newcomer.roots)
-        if robot is not None:
+        if carrier is not None and mount is not None:
+            for root in newcomer.roots:
+                root.parent_inverse = mount.turn
             for declaration in newcomer.components:
-                declaration.robot = robot
+                declaration.robot = carrier.robot
         part = Scene(roots=newcomer.roots, components=newcomer.components, settings=scene.settings)
         resolve_shapes(part)
         before = context.world.get_state()
-        context.world.add(newcomer.roots, newcomer.components, robot)
+        context.world.add(newcomer.roots, newcomer.components, None if mount is None else mount.node)
         try:
             with acting(context), scene.project:
                 # names may come from clients, functions are code of the program
@@ -226,6 +236,17 @@ class Population:
         self._recipes[name] = Recipe(kind, list(position), list(rotation), roots)
         self._changed()
 
+    def _mount(self, name: str, kind: str | Callable[[], object], carrier: ComponentDeclaration) -> Mount:
+        """Where a component is attached: one like that of the launch, where that was."""
+        own, calls = split_kind(kind) if isinstance(kind, str) else ("", [])
+        if isinstance(kind, str) and not own and name in self._absentees:
+            absentee = self._absentees[name]
+            parent = self._simulation.scene.find(absentee.parent)
+            if parent is None:
+                raise MorseBuilderError(f"'{short(name)}' cannot come again: there is no '{short(absentee.parent)}'")
+            return Mount(parent, absentee.node.parent_inverse)
+        return mount_of(carrier, part_and_calls(calls)[0])
+
     def _describe(
         self,
         name: str,
@@ -245,7 +266,8 @@ class Population:
             try:
                 if "." in name:
                     make = self._component_maker(name, own) if isinstance(kind, str) else kind
-                    newcomer = describe_component(name, make, calls, position, rotation, scene.nodes(), interfaces)
+                    settings = part_and_calls(calls)[1]
+                    newcomer = describe_component(name, make, settings, position, rotation, scene.nodes(), interfaces)
                 else:
                     make = object_maker(kind) if isinstance(kind, str) else kind
                     newcomer = describe_newcomer(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import math
 import os
 from dataclasses import replace
 from functools import partial
@@ -12,10 +11,8 @@ from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
 from morse.builder import workspace
-from morse.builder.assembly.spawning import call_text, component_of
+from morse.builder.assembly.spawning import append_text, call_text, component_of, mount_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.source import Source
 from morse.builder.editing.writing import lines_of_script, variable_name
@@ -28,10 +25,10 @@ from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
 from morse.core.reports.faults import message
 from morse.core.reports.quoting import short
-from morse.mathutils.rotations import compatible_euler, rotation_from_quaternion
-from morse.scene.extent import extent, visible_extent
+from morse.scene.extent import visible_extent
 from morse.viewer.catalog import Catalog
 from morse.viewer.feeds.components import settings_of
+from morse.viewer.placing import Place, carrier_of, free_place, local_pose, place_at, usual_place, world_pose
 from morse.viewer.script_file import ScriptFile
 from morse.viewer.uploads import Uploads, saved_place
 from morse.viewer.view_messages import Answer, PropertyValue, Refused, SceneChanges
@@ -39,8 +36,6 @@ from morse.viewer.world_settings import OWNER, SEVERAL, check_world_call, settin
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
 
     from morse.scene import Node
     from morse.scene.extent import Corners
@@ -62,12 +57,6 @@ _LOCKED = "To change it here, start with morse run --edit-script; or use an edit
 _MOST_CHANGES = 1000
 #: height over the ground of what cannot be seen, m
 _OVERHEAD = 2.5
-#: free space around an object that is put beside others, and the distance of the places that are tried, m
-_GAP = 0.15
-_RING = 0.3
-_MOST_RINGS = 60
-#: what is wider is the ground or a building, not an object that stands on the ground, m
-_ROOM = 5.0
 _FULL = f"the scene has {_MOST_CHANGES} changes: save and reload it before you change more"
 
 
@@ -90,6 +79,10 @@ _SEVERAL = ("properties", "noise", "alter", "add_stream")
 #: what pages may call beside `properties`
 _METHODS = ("frequency", "level", "noise", "delay", "phase", "alter", "add_stream")
 Calls = dict[tuple[str, str], Call]
+
+
+#: where an object is, if it was added or moved
+_Placed = tuple[Addition | None, Move | None]
 
 
 class _Change(NamedTuple):
@@ -201,19 +194,18 @@ class Editor:
         name = variable_name(event.model, self._names())
         position, angles, box, is_named = self._own_pose(event.model)
         if group in ("sensors", "actuators"):
-            self._check_carrier(event.robot)
-            usual = self._usual_place(event.robot, group)
-            place = _rounded(usual if event.position is None else event.position, 2)
-            addition = Addition(name, event.model, place, angles, event.robot, position, angles, is_named)
+            place = self._mount(event, group, box, angles)
+            own = (position, angles, is_named)
+            addition = Addition(name, event.model, place.position, place.angles, place.owner, *own, part=place.part)
         else:
             x, y, z = event.position or (0.0, 0.0, 0.0)
             # a lamp, or a camera of the world, looks down
             lowest = -_OVERHEAD if box is None else float(box[0][2])
             if event.beside and box is not None:
-                x, y, z = self._free_place((x, y, z), box)
-            place = _rounded((x, y, z - lowest), 2)
+                x, y, z = free_place(self._simulation, (x, y, z), box, self._additions)
+            at = _rounded((x, y, z - lowest), 2)
             angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
-            addition = Addition(name, event.model, place, angles_now, "", position, angles, is_named)
+            addition = Addition(name, event.model, at, angles_now, "", position, angles, is_named)
         return self._add_together([addition])
 
     def _add_together(self, additions: Sequence[Addition]) -> str:
@@ -236,58 +228,29 @@ class Editor:
         if self._is_full:
             raise MorseError(_FULL)
 
-    def _check_carrier(self, robot: str) -> None:
-        if robot not in self._simulation.context.robots:
-            raise MorseError("drop a sensor or an actuator on a robot")
-        if not self._belongs(self._root(robot)):
-            raise MorseError(f"'{robot}' is no part of the scene: a client has spawned it")
+    def _mount(self, event: page.AddModel, group: str, box: Corners | None, angles: Triple) -> Place:
+        """Where a component goes."""
+        simulation = self._simulation
+        carrier = carrier_of(simulation, event.robot, self._is_known)
+        if not self._belongs(self._root(carrier.name)):
+            raise MorseError(f"'{carrier.name}' is no part of the scene: a client has spawned it")
+        if event.position is None or (event.normal is not None and group == "actuators" and box is None):
+            # what has no shape has no place of its own
+            place = usual_place(simulation, carrier, group)._replace(angles=angles)
+        elif event.normal is None:
+            place = Place(carrier.name, "", event.position, angles)
+        else:
+            place = place_at(simulation, carrier, event.robot, event.position, event.normal, box, angles)
+        return place._replace(position=_rounded(place.position, 3), angles=_rounded(place.angles))
 
-    def _usual_place(self, robot: str, group: str) -> Triple:
-        """An actuator is in the origin of its robot, a sensor stands on it."""
-        node = self._simulation.scene.find(robot)
-        if node is None or group == "actuators":
-            return 0.0, 0.0, 0.0
-        corners = extent((one for one in node.walk() if one.visible), node)
-        if corners is None:
-            return 0.0, 0.0, 0.0
-        low, high = corners
-        return float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2, float(high[2])
-
-    def _free_place(self, point: Triple, box: Corners) -> Triple:
-        """The place nearest to a point where an object with this box around its origin, m, is not on or in another."""
-        x, y, z = point
-        context = self._simulation.context
-        movable = {self._root(robot).name for robot in context.robots} | set(self._additions)
-        things: list[Corners] = []
-        others: list[Corners] = []
-        for root in self._simulation.scene.roots:
-            if (found := visible_extent(root)) is not None:
-                length, width, height = found[1] - found[0]
-                is_ground = max(length, width) > _ROOM or height < _GAP
-                (others if is_ground and root.name not in movable else things).append(found)
-
-        def is_at(low: NDArray[np.float64], high: NDArray[np.float64], corners: Corners) -> bool:
-            """Whether a rectangle lies over or under a box."""
-            return bool((low[:2] < corners[1][:2]).all() and (high[:2] > corners[0][:2]).all())
-
-        here = np.array([x, y])
-        # what is pointed at stands on the ground itself, or on something that does
-        z = min([z, *(float(thing[0][2]) for thing in things if is_at(here - _GAP, here + _GAP, thing))])
-        tall = float(box[1][2] - box[0][2])
-        # the ground and the room in which the point lies are no obstacles
-        walls = [
-            wall
-            for wall in others
-            if wall[1][2] > z + _GAP and wall[0][2] < z + tall and not is_at(here - _GAP, here + _GAP, wall)
-        ]
-        for ring in range(_MOST_RINGS):
-            for turn in range(max(1, 6 * ring)):
-                angle = math.tau * turn / max(1, 6 * ring)
-                place = here + ring * _RING * np.array([math.cos(angle), math.sin(angle)])
-                low, high = place + box[0][:2] - _GAP, place + box[1][:2] + _GAP
-                if not any(is_at(low, high, corners) for corners in (*things, *walls)):
-                    return float(place[0]), float(place[1]), z
-        return point
+    def _is_known(self, name: str) -> bool:
+        """Whether the script, or a page, has created something as a whole: it is no part of a model."""
+        if name in self._additions or self._file.path is None:
+            return True
+        try:
+            return name in lines_of_script(self._file.text)
+        except UnwritableError:
+            return False
 
     def _duplicate(self, name: str) -> str:
         self._check_room()
@@ -296,12 +259,14 @@ class Editor:
         if original is None:
             raise MorseError(f"'{name}' was not added in this page: copy its lines in the script")
         names = self._names()
-        parts = [original, *(one for one in self._additions.values() if one.robot == name)]
+        parts = [original, *(one for one in self._additions.values() if _is_of(one.robot, name))]
         twins: list[Addition] = []
+        owners = {original.robot: original.robot}
         for part in parts:
             word = variable_name(part.kind, names)
             names.add(word)
-            twins.append(replace(part, name=word, robot=twins[0].name if twins else part.robot))
+            twins.append(replace(part, name=word, robot=owners[part.robot]))
+            owners[part.scene_name] = twins[-1].scene_name
             if calls := self._calls.get(part.scene_name):
                 self._calls[twins[-1].scene_name] = dict(calls)
         if not original.robot:
@@ -356,9 +321,15 @@ class Editor:
 
     def _spawn(self, addition: Addition) -> None:
         name = addition.scene_name
-        size = "" if addition.scale == _UNSCALED else f"\nscale({', '.join(map(repr, addition.scale))})"
-        self._appear(name, addition.kind + size, (addition.position, addition.angles), self._calls.get(name, {}))
+        pose = addition.position, addition.angles
+        self._appear(name, self._kind_of(addition), pose, self._calls.get(name, {}))
         self._additions[name] = addition
+
+    @staticmethod
+    def _kind_of(addition: Addition) -> str:
+        """A kind with the lines for its size and for the part to which it is attached."""
+        size = "" if addition.scale == _UNSCALED else f"\nscale({', '.join(map(repr, addition.scale))})"
+        return addition.kind + size + (f"\n{append_text(addition.part)}" if addition.part else "")
 
     def _appear(self, name: str, kind: str, pose: tuple[Triple, Triple], calls: Calls) -> None:
         """Spawn a robot, an object or a component; a component without a kind is one of the script."""
@@ -438,8 +409,8 @@ class Editor:
         self._calls |= calls
         if name in additions:
             self._spawn(additions[name])
-        elif "." in name:
-            self._appear(name, "", pose, self._calls.get(name, {}))
+        elif "." in name and name in self._calls:
+            self._appear(name, "", pose, self._calls[name])
         else:
             population = self._simulation.population
             self._simulation.journal.note(EDIT, name, "brought back")
@@ -539,13 +510,24 @@ class Editor:
         node, addition = self._simulation.scene.find(name), self._additions.get(name)
         if node is None:
             raise MorseError(f"there is no component '{name}'")
-        kind, pose = "" if addition is None else addition.kind, (_triple(node.location), _triple(node.rotation_euler))
+        declared = {one.node for one in self._simulation.scene.components}
+        own = {one.scene_name for one in self._additions.values()}
+        carried = [one.name for one in node.walk() if one is not node and one in declared and one.name not in own]
+        if addition is None and carried:
+            raise MorseError(f"'{name}' carries {', '.join(carried)}: write its settings into the script")
+        placed = addition or self._moves.get(name)
+        at = (node.location, node.rotation_euler) if placed is None else (placed.position, placed.angles)
+        kind, pose = "" if addition is None else self._kind_of(addition), (_triple(at[0]), _triple(at[1]))
+        parts = [one for one in self._additions.values() if _is_of(one.robot, name)]
         self._services.run("simulation", "delete", name)
         try:
             self._appear(name, kind, pose, calls)
         except Exception:
             self._appear(name, kind, pose, self._calls.get(name, {}))
             raise
+        finally:
+            for part in parts:
+                self._spawn(part)
         self._note(name, calls)
 
     def _note(self, name: str, calls: Calls) -> None:
@@ -568,37 +550,46 @@ class Editor:
     def moved(self, event: page.Teleport) -> None:
         """A page has moved an object."""
         node = self._simulation.scene.find(event.node)
-        if node is None or node.parent is not None or not self._belongs(node):
+        if node is None or (node.parent is not None and event.node not in self._simulation.context.components):
+            return
+        if not self._belongs(node):
             return
         if self._is_full and event.node not in self._moves and event.node not in self._additions:
             self._server.send(Refused("teleport", _FULL))
             return
-        name, position = event.node, _rounded(event.position)
+        name = event.node
         addition, move = self._additions.get(name), self._moves.get(name)
         old = addition or move
         near = node.rotation_euler if old is None else old.angles
-        angles = _rounded(compatible_euler(rotation_from_quaternion(*event.quaternion), "XYZ", list(near)))
+        position, angles = local_pose(self._simulation, node, event.position, event.quaternion, near)
+        position, angles = _rounded(position), _rounded(angles)
         if event.first:
             self._group = event.group
-            self._undo_of_move(name, addition, move)
+            self._undo_of_move(name, (addition, move), (_triple(node.location), _triple(node.rotation_euler)))
         if addition is not None:
             self._additions[name] = replace(addition, position=position, angles=angles)
         else:
-            self._moves[name] = Move(name, position, angles, _triple(node.location), _triple(node.rotation_euler))
+            # a component at the tip of an arm is there because the script places it nowhere
+            is_at_tip = node.parent_inverse is not None and self._is_at_tip(name, node)
+            before = (0.0, 0.0, 0.0) if is_at_tip else _triple(node.location)
+            self._moves[name] = Move(name, position, angles, before, _triple(node.rotation_euler))
 
-    def _undo_of_move(self, name: str, addition: Addition | None, move: Move | None) -> None:
-        later: list[tuple[Addition | None, Move | None]] = []
+    def _is_at_tip(self, name: str, node: Node) -> bool:
+        owner = name.rpartition(".")[0]
+        carrier = next((one for one in self._simulation.scene.components if one.name == owner), None)
+        return carrier is not None and [*node.location] == [*mount_of(carrier).usual]
+
+    def _undo_of_move(self, name: str, before: _Placed, at_launch: tuple[Triple, Triple]) -> None:
+        later: list[_Placed] = []
 
         def undo() -> None:
             later[:] = [(self._additions.get(name), self._moves.get(name))]
-            self._put_back(name, addition, move)
+            self._put_back(name, before, at_launch)
 
-        self._undo_by(f"{name} was moved", undo, lambda: self._put_back(name, *later[0]))
+        self._undo_by(f"{name} was moved", undo, lambda: self._put_back(name, later[0], at_launch))
 
-    def _put_back(self, name: str, addition: Addition | None, move: Move | None) -> None:
-        node = self._simulation.scene.find(name)
-        if node is None:
-            raise MorseError(f"there is no object '{name}'")
+    def _put_back(self, name: str, placed: _Placed, at_launch: tuple[Triple, Triple]) -> None:
+        addition, move = placed
         if addition is not None:
             self._additions[name] = addition
             self._place(name, addition.position, addition.angles)
@@ -607,13 +598,14 @@ class Editor:
             self._place(name, move.position, move.angles)
         else:
             self._moves.pop(name, None)
-            self._place(name, _triple(node.location), _triple(node.rotation_euler))
+            self._place(name, *at_launch)
 
     def _place(self, name: str, position: Triple, angles: Triple) -> None:
-        from morse.mathutils import Euler
-
-        quaternion = Euler(angles).to_quaternion()
-        self._services.run("simulation", "set_object_pose", name, [*position], [*quaternion])
+        node = self._simulation.scene.find(name)
+        if node is None:
+            raise MorseError(f"there is no object '{name}'")
+        place, quaternion = world_pose(self._simulation, node, position, angles)
+        self._services.run("simulation", "set_object_pose", name, place, quaternion)
 
     # -- the script ------------------------------------------------------------------------
 

@@ -237,10 +237,14 @@ class AddModel(ViewEvent, frozen=True):
 
     Attributes:
         model: the kind of a listed model.
-        position: of its lowest point in the world, or of a component in the frame of its robot, metres; None for a
-            component at its usual place: an actuator in the origin of the robot, a sensor above it.
+        position: of its lowest point in the world, or of a component in the frame of what carries it, metres; None for
+            a component at its usual place: an actuator in the origin of the robot, a sensor above it, both at the tip
+            of an arm.
         yaw: radians.
-        robot: the robot that gets the component.
+        robot: the robot that gets the component, or a node that belongs to it: that of an arm or a pan-tilt unit, or a
+            part of them, if that is to carry it.
+        normal: of the surface of that node at the position, which is then in the world; None if no surface was pointed
+            at.
         beside: whether an object goes beside what is already at the position, on the ground of that.
     """
 
@@ -249,6 +253,7 @@ class AddModel(ViewEvent, frozen=True):
     position: Point | None = None
     yaw: Coordinate = 0.0
     robot: Name = ""
+    normal: Point | None = None
     beside: bool = False
 
 

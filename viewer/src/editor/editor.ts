@@ -10,7 +10,6 @@ import type { Signal } from "../ui/signal";
 import { newGroup } from "../view/mover";
 import type { Hit } from "../view/pick";
 import type { Stage } from "../view/stage";
-import type { WorldNode } from "../world/node";
 import type { World } from "../world/world";
 import { AddPanel } from "./addpanel";
 import { Marker } from "./marker";
@@ -128,21 +127,27 @@ export class Editor {
     const { point, hit } = this.marker.point(x, y);
     this.marker.hide();
     const mounted = isMounted(model);
-    const carrier = mounted ? this.carrier(point, hit, place === null) : null;
+    const carrier = mounted ? this.carrier(hit, place === null) : null;
     if (mounted && !carrier) {
       const kind = model.group.slice(0, -1);
       this.toasts.show(`Select the robot that gets the ${kind} first, or drop the ${kind} onto it.`, "error");
       return false;
     }
-    const { robot, position } = carrier ?? { robot: "", position: point };
-    // an actuator has no place of its own
-    const at = model.group === "actuators" ? null : (position?.toArray() ?? null);
-    const answer = await this.connection.request({ type: "add_model", model: model.kind, position: at, yaw: 0, robot, beside: place === null });
+    const { robot, position, normal } = carrier ?? { robot: "", position: point, normal: null };
+    const answer = await this.connection.request({
+      type: "add_model",
+      model: model.kind,
+      position: position?.toArray() ?? null,
+      yaw: 0,
+      robot,
+      normal: normal?.toArray() ?? null,
+      beside: place === null,
+    });
     if (!answer.ok) this.toasts.show(answer.error, "error");
     else {
       const name = String(answer.value);
       this.select([name]);
-      if (robot) this.toasts.show(`${name} is on ${robot}.`);
+      if (robot) this.toasts.show(`${name} is on ${name.slice(0, name.lastIndexOf("."))}.`);
     }
     if (this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
     return answer.ok;
@@ -168,16 +173,16 @@ export class Editor {
     });
   }
 
-  /** The robot at a point with that point in its frame; without a point, the selected robot, or the only one. */
-  private carrier(point: Vector3, hit: Hit | null, selected: boolean): { robot: string; position: Vector3 | null } | null {
-    const isRobot = ({ description }: WorldNode): boolean => description.kind === "robot";
+  /** The surface of a robot, an arm or a pan-tilt unit at a point; without a point, what is selected, or the only robot. */
+  private carrier(hit: Hit | null, selected: boolean): { robot: string; position: Vector3 | null; normal: Vector3 | null } | null {
     if (selected) {
       const robots = this.components.all.value.filter(({ kind }) => kind === "robot");
-      const robot = this.components.robotOf(this.components.selected.value) ?? (robots.length === 1 ? robots[0]?.name : null);
-      return robot ? { robot, position: null } : null;
+      const chosen = this.components.selected.value;
+      const robot = this.components.robotOf(chosen) ? chosen : robots.length === 1 ? robots[0]?.name : null;
+      return robot ? { robot, position: null, normal: null } : null;
     }
-    const node = hit?.node.find(isRobot);
-    return node ? { robot: node.name, position: node.frame.worldToLocal(point.clone()) } : null;
+    const isOnRobot = hit?.node.find(({ description }) => description.kind === "robot");
+    return hit && isOnRobot ? { robot: hit.node.name, position: hit.point, normal: hit.normal } : null;
   }
 
   /** Delete objects together: one undo brings all of them back. */

@@ -48,7 +48,6 @@ export class ObjectPanel {
       disable(made, !this.drives.value);
       return made;
     };
-    const isMounted = ["sensor", "actuator"].includes(node.description.kind);
     return h(
       "div",
       { class: "object" },
@@ -63,7 +62,7 @@ export class ObjectPanel {
         { class: "tools captions" },
         button(icons.focus, "focus", "Focus", () => this.follow.frameNode(node), "C"),
         button(icons.eye, "follow", "Follow", () => this.follow.start("third", node)),
-        !isMounted && change(icons.move, "move", "Move", () => this.onMove(node), "M"),
+        change(icons.move, "move", "Move", () => this.onMove(node), "M"),
         change(icons.boxes, "duplicate", "Duplicate", () => this.onDuplicate(node), "Ctrl+D"),
         change(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
         button(icons.copy, "copy", "Copy the pose as builder code", () => void this.copy()),

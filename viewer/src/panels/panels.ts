@@ -51,8 +51,6 @@ export class Panels {
   readonly editor: Editor;
   readonly ghost: Ghost;
   private readonly highlight: Highlight;
-  /** whether the handles come back when the world has been described again */
-  private again = false;
 
   constructor(private readonly app: App) {
     const { connection, stage, components, watching, follow, toasts, shell } = app;
@@ -62,7 +60,7 @@ export class Panels {
     this.images = new Images(connection, components, watching, app.session);
     this.plots = new PlotsPanel(components, watching, app.session, () => shell.show("bottom"), (text) => toasts.show(text));
     this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node), () => void this.editor.delete(components.chosen), () => void this.editor.duplicate(components.chosen), app.seat.drives);
-    this.mover = new Mover(stage, connection, (movement) => void this.object.teleport(movement), (nodes, factors, group) => void this.editor.scale(nodes.map(({ name }) => name), factors, group).then((done) => (this.again = done)));
+    this.mover = new Mover(stage, connection, (movement) => void this.object.teleport(movement), (nodes, factors, group) => void this.editor.scale(nodes.map(({ name }) => name), factors, group));
     this.mover.running = () => app.poses.value?.running ?? false;
     app.navigation.claims = (event) => this.mover.claims(event);
     this.ruler = new Ruler(stage);
@@ -112,9 +110,7 @@ export class Panels {
       this.images.prefer(world.description.view.display.images);
       this.layers.declare(world.description.view.display.rays);
       highlight();
-      this.mover.toggle(null);
-      if (this.again) this.move(this.selectedNode());
-      this.again = false;
+      this.mover.rebind(world);
       this.object.rebind(world);
       follow.rebind(world);
     });

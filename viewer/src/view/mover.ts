@@ -4,6 +4,7 @@ import type { Connection } from "../connection/connection";
 import { h } from "../ui/dom";
 import { Signal } from "../ui/signal";
 import type { WorldNode } from "../world/node";
+import type { World } from "../world/world";
 import { pick, pickPlane } from "./pick";
 import type { Stage } from "./stage";
 
@@ -24,6 +25,9 @@ export interface Movement {
   /** that of all nodes that move together */
   group: number;
 }
+
+/** Whether a node is a sensor or an actuator. */
+const isMounted = ({ description }: WorldNode): boolean => ["sensor", "actuator"].includes(description.kind);
 
 /** The number of changes that are undone together. */
 export const newGroup = (): number => 1 + Math.floor(Math.random() * (2 ** 52));
@@ -79,7 +83,8 @@ export class Mover {
 
   /** Attach the handles to a node, or detach them. */
   toggle(node: WorldNode | null, others: WorldNode[] = []): void {
-    const free = (one: WorldNode): WorldNode => one.find(({ description }) => description.frame === "world") ?? one;
+    // a component moves on what carries it, a part of an object with the object
+    const free = (one: WorldNode): WorldNode => (isMounted(one) ? one : (one.find(({ description }) => description.frame === "world") ?? one));
     const mover = node && free(node);
     this.node.set(mover === this.node.value ? null : mover);
     const rest = new Set(this.node.value ? others.map(free).filter((one) => one !== mover) : []);
@@ -88,6 +93,20 @@ export class Mover {
     if (this.node.value) this.handles.attach(this.proxy);
     else this.handles.detach();
     this.stage.invalidate();
+  }
+
+  /** The world was described again: the handles go on with the nodes of the same names. */
+  rebind(world: World): void {
+    if (!this.node.value) return;
+    const node = world.find(this.node.value.name);
+    this.others = this.others.flatMap((other) => {
+      const again = world.find(other.node.name);
+      return again ? [{ ...other, node: again }] : [];
+    });
+    const held = this.held && world.find(this.held.node.name);
+    if (this.held) this.held = held ? { ...this.held, node: held } : null;
+    if (node) this.node.set(node);
+    else this.toggle(null);
   }
 
   /** Switch the handles between translation, rotation and size. */
@@ -155,7 +174,7 @@ export class Mover {
     if (!target) return;
     this.held.target.copy(target);
     this.stage.invalidate();
-    if (!this.running()) {
+    if (!this.pulls()) {
       this.proxy.position.copy(target).sub(this.held.grip);
       if (this.snaps.value) this.proxy.position.divideScalar(STEPS.translate).round().multiplyScalar(STEPS.translate);
       this.put();
@@ -170,7 +189,7 @@ export class Mover {
 
   private letGo(): void {
     if (!this.held) return;
-    if (this.running()) this.connection.send({ type: "drag_end" });
+    if (this.pulls()) this.connection.send({ type: "drag_end" });
     else this.put(true);
     this.held = null;
     this.cord.visible = false;
@@ -190,6 +209,11 @@ export class Mover {
     this.begins = false;
   }
 
+  /** Whether a force is applied to what is held: while time runs, and not to a component. */
+  private pulls(): boolean {
+    return this.running() && !(this.held && isMounted(this.held.node));
+  }
+
   private due(): boolean {
     const now = performance.now();
     if (now - this.last < EVERY) return false;
@@ -200,7 +224,7 @@ export class Mover {
   private update(): void {
     const node = this.node.value;
     if (!node) return;
-    if (!this.handles.dragging && !(this.held && !this.running())) {
+    if (!this.handles.dragging && !(this.held && !this.pulls())) {
       node.frame.getWorldPosition(this.proxy.position);
       node.frame.getWorldQuaternion(this.proxy.quaternion);
       this.proxy.updateMatrixWorld(true);
@@ -212,6 +236,6 @@ export class Mover {
     ends.setXYZ(0, start.x, start.y, start.z);
     ends.setXYZ(1, target.x, target.y, target.z);
     ends.needsUpdate = true;
-    this.cord.visible = this.running();
+    this.cord.visible = this.pulls();
   }
 }

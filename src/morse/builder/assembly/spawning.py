@@ -12,12 +12,14 @@ import tempfile
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.assets.formats import of_strangers
 from morse.builder import workspace
-from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.abstractcomponent import AbstractComponent, find_part
 from morse.builder.assembly.finalise import declare
+from morse.builder.components.actuators_with_parts import PTU
+from morse.builder.components.armatures import end_of
 from morse.builder.components.passive import PassiveObject
 from morse.builder.components.robot import Robot, WheeledRobot, connect
 from morse.builder.components.solids import BlenderObject
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from morse.builder.workspace import Workspace
+    from morse.mathutils import Matrix
     from morse.scene import ComponentDeclaration, ModelUse
 
 
@@ -122,6 +125,7 @@ _MOST_CALLS = 100
 _LONGEST_DELAY = 60.0
 #: smallest and largest factor by which an object is scaled
 _FACTORS = 0.01, 100.0
+_APPEND = "append("
 
 
 def split_kind(kind: str) -> tuple[str, list[str]]:
@@ -243,8 +247,68 @@ def _name_parts(described: Workspace, top: Node, name: str) -> None:
             described.rename(node, f"{name}.{node.name}")
 
 
+class Mount(NamedTuple):
+    """Where a component is attached in a running scene.
+
+    Attributes:
+        node: the node that carries it.
+        turn: 4x4 from the frame in which its pose is given to that of the node; None if these are the same.
+        usual: the place of a component whose position is the origin, in the frame in which its pose is given, m.
+    """
+
+    node: Node
+    turn: Matrix | None = None
+    usual: Sequence[float] = (0.0, 0.0, 0.0)
+
+
+def mount_of(owner: ComponentDeclaration, part: str = "") -> Mount:
+    """Where ``append`` of the builder attaches a component to a robot or to a component of a running scene.
+
+    Args:
+        owner: the robot or the component.
+        part: the name of a node below it; empty for the end effector of an arm, the part of a pan-tilt unit that tilts,
+            or the node of the owner itself.
+
+    Raises:
+        MorseBuilderError: there is no such part, or an arm has no end effector.
+    """
+    node = owner.node
+    part = part or (PTU.CARRIER if owner.classpath == PTU._classpath else "")
+    if part:
+        below = [one for child in node.children for one in child.walk()]
+        found = find_part(below, part)
+        if found is None:
+            hint = nearest(part, [one.plain_name for one in below])
+            raise MorseBuilderError(f"'{short(node.name)}' has no part '{short(part)}'{hint}")
+        return Mount(found)
+    return Mount(*end_of(node)) if node.bones and owner.kind == "actuator" else Mount(node)
+
+
+def part_and_calls(calls: Sequence[str]) -> tuple[str, list[str]]:
+    """The part to which ``append(child='hand')`` attaches a component, and the other calls.
+
+    Raises:
+        MorseBuilderError: a part is not given like that, or there are several.
+    """
+    own = [call for call in calls if call.startswith(_APPEND)]
+    parts = []
+    for call in own:
+        _, numbers, words = _parsed(call)
+        if numbers or {*words} != {"child"} or not isinstance(words["child"], str):
+            raise MorseBuilderError(f"expected append(child='hand'), the name of a part, not {short(call)}")
+        parts.append(words["child"])
+    if len(parts) > 1:
+        raise MorseBuilderError(f"a component is attached to one part, not to {len(parts)}")
+    return "".join(parts), [call for call in calls if call not in own]
+
+
+def append_text(part: str) -> str:
+    """The call that attaches a component to a part."""
+    return call_text("append", {"child": part})
+
+
 class _Carrier(AbstractComponent):
-    """Stands for the robot of a running scene to which a component is attached."""
+    """Stands for the robot or the component of a running scene to which a component is attached."""
 
     _kind = "robot"
 
@@ -267,10 +331,10 @@ def describe_component(
     """Return the sensor or the actuator that a function of the builder describes, for a robot of a running scene.
 
     Args:
-        name: name of the robot, a dot, and a word: ``robot.camera``.
+        name: name of the robot or of the component that carries it, a dot, and a word: ``robot.camera``.
         make: function that returns a sensor or an actuator; or a complete newcomer, which keeps its pose.
         calls: calls of its methods, see `split_kind`.
-        position: x, y, z in the frame of the robot, m.
+        position: x, y, z in the frame of what carries it, m.
         rotation: roll, pitch, yaw, rad.
         present: nodes of the running scene; what comes has none of their names.
         interfaces: names of the middlewares to which it is connected.
@@ -294,6 +358,9 @@ def describe_component(
         carrier.append(component)
         _configure(component, calls)
         naming.rename_all()
+        if above := robot.rpartition(".")[0]:
+            for part in component._walk():
+                described.rename(part.scene_node, f"{above}.{part.name}")
         for interface in interfaces:
             connect(carrier, interface)
         _name_parts(described, component.scene_node, name)

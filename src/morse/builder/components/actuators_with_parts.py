@@ -85,6 +85,8 @@ class PTU(ActuatorCreator):
     """A pan-tilt unit; its component class is `morse.actuators.ptu.PTU`."""
 
     _classpath = "morse.actuators.ptu.PTU"
+    CARRIER = "TiltBase"
+    """The part that pans and tilts."""
 
     def append(self, obj: AbstractComponent, child: str | None = None, level: int = 1) -> None:
         """Attach a component to the part that pans and tilts.
@@ -94,7 +96,7 @@ class PTU(ActuatorCreator):
             child: name of another part to which it is attached.
             level: stack level of the variables that are searched for the name: 1 for the caller.
         """
-        super().append(obj, "TiltBase" if child is None else child, level + 1)
+        super().append(obj, self.CARRIER if child is None else child, level + 1)
 
 
 class LedArray(ActuatorCreator):

@@ -16,7 +16,7 @@ from morse.scene import Articulation, Control, Node, NodeKind
 from morse.scene.articulation import DYNAMIC
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from morse.builder.abstractcomponent import AbstractComponent
     from morse.core.values import Properties
@@ -193,28 +193,35 @@ class KukaLWR(Armature):
         if child is not None:
             super().append(obj, child, level + 1)
             return
-        hand = self._end_effector()
+        hand, turn, _ = end_of(self.scene_node)
         super().append(obj, hand.name, level + 1)
-        obj.scene_node.parent_inverse = self._seen_from(hand).inverted()
+        obj.scene_node.parent_inverse = turn
         self._carried.append(obj)
 
-    def _end_effector(self) -> Node:
-        walk = list(self.scene_node.walk())
-        effectors = [node for node in walk if node.properties.get("end_effector")]
-        last = [node for node in walk if node.bone == self.scene_node.bones[-1].name]
-        if not effectors and not last:
-            raise MorseBuilderError(f"'{self.name}' has no end effector: no object is attached to its last bone")
-        return (effectors or last)[0]
-
-    def _seen_from(self, node: Node) -> Matrix:
-        """4x4 from the frame of a part to that of the arm."""
-        relative: Matrix = self.scene_node.world_matrix().inverted() @ node.world_matrix()
-        return relative
-
     def _scene_options(self) -> Properties:
-        chain = Chain(self.scene_node.bones)
-        tip = chain.tip(chain.frames(chain.start)[-1], len(chain.bones) - 1)[0]
         for component in self._carried:
             if component.scene_node.location == [0.0, 0.0, 0.0]:
-                component.scene_node.location = list(tip)
+                component.scene_node.location = list(end_of(self.scene_node)[2])
         return super()._scene_options()
+
+
+def end_of(arm: Node) -> tuple[Node, Matrix, Sequence[float]]:
+    """Where an arm carries what is appended to it.
+
+    Returns:
+        its end effector; 4x4 from the frame of the arm, when it is stretched upward, to that of the end effector; the
+        tip of the last bone in the frame of the arm, m.
+
+    Raises:
+        MorseBuilderError: it has none.
+    """
+    walk = list(arm.walk())
+    effectors = [node for node in walk if node.properties.get("end_effector")]
+    last = [node for node in walk if node.bone == arm.bones[-1].name]
+    if not effectors and not last:
+        raise MorseBuilderError(f"'{arm.name}' has no end effector: no object is attached to its last bone")
+    hand = (effectors or last)[0]
+    chain = Chain(arm.bones)
+    tip = chain.tip(chain.frames(chain.start)[-1], len(chain.bones) - 1)[0]
+    relative: Matrix = arm.world_matrix().inverted() @ hand.world_matrix()
+    return hand, relative.inverted(), tip

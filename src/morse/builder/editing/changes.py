@@ -15,9 +15,10 @@ class Addition:
         name: in the scene, without the name of the robot; also the variable of the script, so that it is a free one.
         kind: name of a builder class, also ``package.builder.robots:Class`` of a project, or name of a model, with
             ``#`` and the name of an object of it.
-        position: in the world, or on the robot, m.
+        position: in the world, or in the frame of what carries it, m.
         angles: Euler angles XYZ, rad.
-        robot: name of the robot of a component; empty for others.
+        robot: name of the robot or the component that carries a component; empty for others.
+        part: name of the part of what carries it to which it is attached; empty for the usual one.
         scale: factor along each axis.
         own_position, own_angles: the pose that the builder gives to such an object.
         has_own_name: whether the builder gives such an object a name, so that it is not called as its variable.
@@ -34,6 +35,7 @@ class Addition:
     has_own_name: bool = False
     calls: tuple[str, ...] = ()
     scale: Triple = (1.0, 1.0, 1.0)
+    part: str = ""
 
     @property
     def scene_name(self) -> str:
@@ -43,10 +45,10 @@ class Addition:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """An object of the script or of its world has another pose.
+    """An object of the script or of its world, or a component, has another pose.
 
     Attributes:
-        position, angles: the new pose: m, Euler angles XYZ in rad.
+        position, angles: the new pose: m, Euler angles XYZ in rad; of a component in the frame of what carries it.
         old_position, old_angles: the pose when the script was run.
     """
 

@@ -6,7 +6,7 @@ import ast
 import inspect
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.builder.editing.source import bound_names, name_of
 
@@ -113,10 +113,9 @@ class Variable:
         name = name_of(self.call.func).rpartition(".")[2]
         return name if name[:1].isupper() else ""
 
-    @property
-    def is_alone(self) -> bool:
-        """Whether it is used in its own statements only."""
-        return not self.foreign and self.foreign_line is None
+    def is_alone(self, *mountings: ast.stmt) -> bool:
+        """Whether it is used only in its own statements, and in those that attach it."""
+        return self.foreign_line is None and all(one in mountings for one in self.foreign)
 
     def own(self) -> list[ast.stmt]:
         """The statements that concern this variable only."""
@@ -189,10 +188,55 @@ def variables(source: Source) -> dict[str, Variable]:
     return found
 
 
+class Mounting(NamedTuple):
+    """How the script attaches a component.
+
+    Attributes:
+        owner: what carries it.
+        statement: the statement.
+        is_alone: whether the statement attaches nothing else.
+    """
+
+    owner: Variable
+    statement: ast.Expr
+    is_alone: bool
+
+
+def mountings(found: dict[str, Variable]) -> dict[str, Mounting]:
+    """How components are attached, by the names of their variables."""
+    mounted: dict[str, Mounting] = {}
+    for owner in found.values():
+        methods = {f"{owner.name}.append", f"{owner.name}.add_sensors"}
+        for statement in owner.calls:
+            call = statement.value
+            if not isinstance(call, ast.Call) or name_of(call.func) not in methods:
+                continue
+            nodes = [node for argument in call.args for node in ast.walk(argument)]
+            words = [node.id for node in nodes if isinstance(node, ast.Name)]
+            others = [one for one in call.args if not isinstance(one, ast.Name)]
+            is_plain = all(isinstance(one, ast.Constant) for one in (*others, *(word.value for word in call.keywords)))
+            for word in words:
+                if word in found and word != owner.name:
+                    mounted[word] = Mounting(owner, statement, len(words) == 1 and is_plain)
+    return mounted
+
+
 def in_scene(found: dict[str, Variable]) -> dict[str, Variable]:
-    """Variables by the names of their components in the scene."""
-    count = Counter(variable.scene_name for variable in found.values())
-    return {one.scene_name: one for one in found.values() if one.scene_name and count[one.scene_name] == 1}
+    """Variables by the names of their robots, objects and components in the scene, such as ``robot.arm.camera``."""
+    mounted = mountings(found)
+
+    def full_name(variable: Variable, above: tuple[str, ...] = ()) -> str:
+        mounting = mounted.get(variable.name)
+        if mounting is None or not variable.scene_name:
+            return variable.scene_name
+        if variable.name in above:  # a script that cannot run
+            return ""
+        owner = full_name(mounting.owner, (*above, variable.name))
+        return owner and f"{owner}.{variable.scene_name}"
+
+    names = {variable.name: full_name(variable) for variable in found.values()}
+    count = Counter(names.values())
+    return {name: found[word] for word, name in names.items() if name and count[name] == 1}
 
 
 def _target(statement: Assignment) -> ast.expr | None:

@@ -9,9 +9,10 @@ from keyword import iskeyword
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
+from morse.builder.abstractcomponent import Placement
 from morse.builder.editing.changes import UnwritableError
 from morse.builder.editing.source import BUILDER, Source, name_of
-from morse.builder.editing.variables import Variable, in_scene, is_pure, variables
+from morse.builder.editing.variables import Variable, in_scene, is_pure, mountings, variables
 from morse.core.validation.names import RESERVED
 from morse.helpers.descriptions import robot_file
 from morse.system.free_names import free_name
@@ -39,27 +40,30 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
     """
     source = Source(text, name)
     by_variable = variables(source)
-    by_name = in_scene(by_variable)
+    by_name, mounted = in_scene(by_variable), mountings(by_variable)
     for move in changes.moves:
         variable = by_name.get(move.name)
-        if variable is not None and variable.is_certain and variable.class_name and variable.is_alone:
+        own = [] if variable is None or variable.name not in mounted else [mounted[variable.name].statement]
+        if variable is not None and variable.is_certain and variable.class_name and variable.is_alone(*own):
             _move(source, variable, move)
         else:
             _place_by_name(source, move)
     for root, below in changes.deletions.items():
         _check_words(source, root)
-        variable, mounting = _of_component(root, by_name, by_variable) if "." in root else (by_name.get(root), None)
+        variable = by_name.get(root)
+        mounting = None if variable is None else mounted.get(variable.name)
         parts = [] if variable is None or not variable.is_certain else _with_its_parts(variable, by_variable)
-        if parts and all(part.is_plain() for part in parts):
-            _delete(source, parts, [] if mounting is None else [mounting])
+        is_apart = "." not in root or (mounting is not None and mounting.is_alone)
+        if parts and is_apart and all(part.is_plain() for part in parts):
+            _delete(source, parts, [] if mounting is None else [mounting.statement])
         else:
             _delete_by_name(source, root, below)
     for name_in_scene, calls in changes.calls.items():
         if name_in_scene not in changes.deletions:
-            _call_methods(source, name_in_scene, calls, by_name, by_variable)
-    robots = {name: variable.name for name, variable in by_name.items()}
-    robots |= {addition.name: addition.name for addition in changes.additions}
-    paragraphs = [_lines_of(source, addition, robots) for addition in changes.additions]
+            _call_methods(source, name_in_scene, calls, by_name)
+    carriers = {name: variable.name for name, variable in by_name.items()}
+    carriers |= {addition.scene_name: addition.name for addition in changes.additions}
+    paragraphs = [_lines_of(source, addition, carriers) for addition in changes.additions]
     if paragraphs:
         source.insert_before(source.environment, paragraphs)
     if changes.settings:
@@ -76,19 +80,11 @@ def lines_of_script(text: str) -> dict[str, list[int]]:
         UnwritableError: the script is not valid, or creates no environment.
     """
     source = Source(text, "the script")
-    by_variable = variables(source)
-    by_name = in_scene(by_variable)
-    found = {name: variable.own() for name, variable in by_name.items() if variable.class_name}
-    for name, owner in by_name.items():
-        for statement in owner.calls_of("append", "add_sensors"):
-            for node in ast.walk(statement):
-                part = by_variable.get(node.id) if isinstance(node, ast.Name) else None
-                if part is not None and part is not owner and part.scene_name:
-                    found.pop(part.scene_name, None)
-                    found[f"{name}.{part.scene_name}"] = part.own()
+    by_name = in_scene(variables(source))
     return {
-        name: sorted({line for one in statements for line in range(one.lineno, (one.end_lineno or one.lineno) + 1)})
-        for name, statements in found.items()
+        name: sorted({line for one in variable.own() for line in range(one.lineno, (one.end_lineno or one.lineno) + 1)})
+        for name, variable in by_name.items()
+        if variable.class_name
     }
 
 
@@ -121,7 +117,7 @@ def _module_of(kind: str) -> str:
     return kind.rpartition(":")[0] or BUILDER
 
 
-def _lines_of(source: Source, addition: Addition, robots: dict[str, str]) -> list[str]:
+def _lines_of(source: Source, addition: Addition, carriers: dict[str, str]) -> list[str]:
     name, kind = addition.name, addition.kind
     file, _, part = (robot_file(kind) or kind).partition("#")
     arguments = _quoted(source, file) if robot_file(kind) is not None else ""
@@ -132,49 +128,28 @@ def _lines_of(source: Source, addition: Addition, robots: dict[str, str]) -> lis
         lines.append(f"{name}.name = {_quoted(source, name)}")
     shift = [new - old for new, old in zip(addition.position, addition.own_position, strict=True)]
     turn = [new - old for new, old in zip(addition.angles, addition.own_angles, strict=True)]
-    lines += [*_call(name, "translate", shift), *_call(name, "rotate", turn)]
+    lines += [*_call(name, "translate", shift)]
+    lines += [_turned(name, addition.angles)] if _turns_otherwise(kind) and any(turn) else _call(name, "rotate", turn)
     if addition.scale != (1.0, 1.0, 1.0):
         lines.append(f"{name}.scale = ({', '.join(map(_number, addition.scale))})")
     lines += [f"{name}.{call}" for call in addition.calls]
     if addition.robot:
-        if addition.robot not in robots:
+        if addition.robot not in carriers:
+            what = "" if "." in addition.robot else "the robot "
             raise UnwritableError(
-                f"{source.name} does not assign the robot '{addition.robot}' to a variable of its own: add the "
+                f"{source.name} does not assign {what}'{addition.robot}' to a variable of its own: add the "
                 "component by hand"
             )
-        lines.append(f"{robots[addition.robot]}.append({name})")
+        part = f", {_quoted(source, addition.part)}" if addition.part else ""
+        lines.append(f"{carriers[addition.robot]}.append({name}{part})")
     return lines
 
 
 # -- components of robots -----------------------------------------------------------------------
 
 
-def _of_component(
-    name: str, by_name: dict[str, Variable], by_variable: dict[str, Variable]
-) -> tuple[Variable | None, ast.Expr | None]:
-    """The variable of ``robot.camera``, and the statement that attaches it, and nothing else, to its robot."""
-    robot, _, word = name.rpartition(".")
-    owner = by_name.get(robot)
-    for statement in owner.calls if owner is not None else ():
-        call = statement.value
-        assert isinstance(call, ast.Call)
-        if name_of(call.func).rpartition(".")[2] not in ("append", "add_sensors"):
-            continue
-        words = [node.id for argument in call.args for node in ast.walk(argument) if isinstance(node, ast.Name)]
-        found = next((by_variable[one] for one in words if one in by_variable), None)
-        if found is not None and found.scene_name == word and len(words) == len(call.args) == 1 and not call.keywords:
-            return found, statement
-    return None, None
-
-
-def _call_methods(
-    source: Source,
-    name: str,
-    calls: Sequence[str],
-    by_name: dict[str, Variable],
-    by_variable: dict[str, Variable],
-) -> None:
-    variable = _of_component(name, by_name, by_variable)[0] if "." in name else by_name.get(name)
+def _call_methods(source: Source, name: str, calls: Sequence[str], by_name: dict[str, Variable]) -> None:
+    variable = by_name.get(name)
     if variable is None or not variable.class_name:
         raise UnwritableError(
             f"{source.name} does not assign '{name}' to a variable of its own: write {', '.join(calls)} by hand"
@@ -221,6 +196,18 @@ def _call(name: str, method: str, values: Sequence[float]) -> list[str]:
     return [f"{name}.{method}({', '.join(words)})"]
 
 
+def _turns_otherwise(class_name: str) -> bool:
+    """Whether a class of the builder gives the angles of ``rotate`` another meaning, as cameras do."""
+    import morse.builder
+
+    cls = getattr(morse.builder, class_name, None)
+    return isinstance(cls, type) and issubclass(cls, Placement) and cls.rotate is not Placement.rotate
+
+
+def _turned(name: str, angles: Sequence[float]) -> str:
+    return f"{name}.rotation_euler = ({', '.join(map(_number, angles))})"
+
+
 def _number(value: float) -> str:
     return repr(round(value, _DECIMALS) + 0.0)
 
@@ -234,7 +221,10 @@ def _move(source: Source, variable: Variable, move: Move) -> None:
     if variable.class_name == "Zone" and any(round(value, _DECIMALS) for value in turn):
         raise UnwritableError(f"'{move.name}' is a Zone, whose sides follow the axes of the world: undo its rotation")
     lines = _shift(source, variable, "translate", "location", shift)
-    lines += _shift(source, variable, "rotate", "rotation_euler", turn)
+    if _turns_otherwise(variable.class_name):
+        lines += [_turned(variable.name, move.angles)] if any(round(value, _DECIMALS) for value in turn) else []
+    else:
+        lines += _shift(source, variable, "rotate", "rotation_euler", turn)
     if lines:
         source.insert_after(variable.last_placement(source), lines)
 
