@@ -10,6 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import coupling
 import engine
+import facilities
 import mechanics
 import people
 import pictures
@@ -30,6 +31,7 @@ CHAPTERS = (
     ("Radar, sonar and other senses", senses),
     ("Weather", weather),
     ("People", people),
+    ("Belts and lifts", facilities),
     ("The engine", engine),
 )
 HEAD = """# Validation

@@ -155,8 +155,15 @@ from morse.core.exceptions import MorseServiceError as MorseServiceError
 from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
 from morse.core.exceptions import NoComponentError as NoComponentError
 from morse.core.exceptions import UnexportableError as UnexportableError
+from morse.plugins.facilities.builder import Button as Button
 from morse.plugins.facilities.builder import Door as Door
+from morse.plugins.facilities.builder import Gate as Gate
 from morse.plugins.facilities.builder import Lift as Lift
+from morse.plugins.facilities.builder import TrafficLight as TrafficLight
+from morse.plugins.facilities.handling import Charger as Charger
+from morse.plugins.facilities.handling import Conveyor as Conveyor
+from morse.plugins.facilities.handling import Dispenser as Dispenser
+from morse.plugins.facilities.handling import Turntable as Turntable
 from morse.plugins.people.builder import Crowd as Crowd
 from morse.scene.scene import TimeStrategies as TimeStrategies
 from typing import Any, Literal
@@ -188,7 +195,9 @@ __all__ = [
     "Battery",
     "Bumper",
     "BumperStrip",
+    "Button",
     "Camera",
+    "Charger",
     "Clock",
     "Collision",
     "ColorSensor",
@@ -198,6 +207,7 @@ __all__ = [
     "Cone",
     "Configuration",
     "ContactForce",
+    "Conveyor",
     "Coordsys",
     "Crowd",
     "Cube",
@@ -211,7 +221,10 @@ __all__ = [
     "DepthCameraRotationZ",
     "DepthVideoCamera",
     "Destination",
+    "Dispenser",
     "Door",
+    "DoorRequest",
+    "DoorState",
     "Drag",
     "EchoSounder",
     "Empty",
@@ -224,6 +237,7 @@ __all__ = [
     "GNSSReceiver",
     "GPS",
     "GasSensor",
+    "Gate",
     "GeigerCounter",
     "Gripper",
     "GroundRobot",
@@ -248,6 +262,8 @@ __all__ = [
     "LedArray",
     "Lift",
     "LiftDrag",
+    "LiftRequest",
+    "LiftState",
     "Light",
     "LineSensor",
     "LocalizedPR2",
@@ -336,6 +352,8 @@ __all__ = [
     "TimeStrategies",
     "TimedPath",
     "Torus",
+    "TrafficLight",
+    "Turntable",
     "USBL",
     "UWB",
     "UltrasonicRangeFinder",
@@ -364,6 +382,18 @@ __all__ = [
     "sys",
 ]
 logger: logging.Logger
+
+class DoorState(SensorCreator):
+    """The state of a door or a gate, as messages"""
+
+class LiftState(SensorCreator):
+    """The state of a lift, as messages"""
+
+class DoorRequest(ActuatorCreator):
+    """Opens and closes a door or a gate by messages"""
+
+class LiftRequest(ActuatorCreator):
+    """Calls a lift by messages"""
 
 class PeopleTracker(SensorCreator):
     """Measures positions and velocities of the people around a robot"""

@@ -14,7 +14,7 @@ from morse.physics.engine_functions import count_weightless, wake
 from morse.physics.gliding import glide_velocity
 from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
-from morse.physics.poses.convert import FORCE, POSITION
+from morse.physics.poses.convert import FORCE, POSITION, VELOCITY
 from morse.physics.poses.kinematics import settle_fixed
 from morse.scene import PhysicsType, ShapeKind
 
@@ -120,6 +120,19 @@ class KinematicBodies:
             state.data.mocap_pos[self._mocap], state.data.mocap_quat[self._mocap] = p[self._rows], q[self._rows]
             state.touched.update(self._indices[self._rows].tolist())
         state.stamp += 1
+
+    def move_surfaces(self, linear: NDArray[np.float64], angular: NDArray[np.float64]) -> None:
+        """See `morse.core.world.KinematicBodies`."""
+        if self._state.model is not self._model:
+            self._take()
+        twists = np.concatenate([np.asarray(linear, dtype=np.float64), np.asarray(angular, dtype=np.float64)], axis=-1)
+        if twists.shape != (len(self._indices), 6) or not (np.abs(twists) <= VELOCITY.limit).all():
+            raise ValueError(
+                f"expected two arrays ({len(self._indices)}, 3) of at most {VELOCITY.limit:g}, got {twists.shape}"
+            )
+        if self._rows:
+            bodies = [self._state.slots[self._indices[row]].body for row in self._rows]
+            self._state.surfaces.set(np.array(bodies, dtype=np.intp), twists[self._rows])
 
 
 #: a few numbers of the engine are written in this way in a third of the time that an array takes

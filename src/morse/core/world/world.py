@@ -409,6 +409,18 @@ class KinematicBodies(Protocol):
             LookupError: one of the bodies was removed from the world.
         """
 
+    def move_surfaces(self, linear: NDArray[np.float64], angular: NDArray[np.float64]) -> None:
+        """Let the surfaces move during the next tick, while the bodies stand still: friction carries what lies on them.
+
+        Args:
+            linear: (N, 3) velocities of the surfaces at the origins of the bodies, world axes, m/s.
+            angular: (N, 3) angular velocities of the surfaces about these origins, world axes, rad/s.
+
+        Raises:
+            ValueError: an array has another shape, or a value is not finite or too large.
+            LookupError: one of the bodies was removed from the world.
+        """
+
 
 class Snapshots(Protocol):
     """Takes snapshots of the same objects repeatedly, at little cost."""

@@ -35,6 +35,8 @@ _RESTING_STEPS = 2.0
 #: factors for the contacts of bodies that bounce: they do not give way, but these are lifted out of each other slowly,
 #: since the speed would be that of a bounce
 _HARDER, _SOFTER = 1e3, 1e2
+#: dimensions of a contact that resists sliding alone
+_PLAIN = 3
 
 
 class Sliding:
@@ -81,6 +83,71 @@ class Sliding:
         share = np.minimum(1.0, (_SLIP + np.abs(near)) / np.maximum(slip, _SLIP))
         data.efc_aref[first + 1] *= share
         data.efc_aref[first + 2] *= share
+
+
+class SurfaceMotion:
+    """Lets the surfaces of kinematic bodies move while the bodies stand still, as belts do.
+
+    Friction acts against the slip, which is measured from the moving surface: the engine asks for a change of speed
+    along each row of a contact, and the speed of the surface along that row is subtracted before.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        self._model, self._data = model, data
+        #: (nbody, 6) linear velocity of the origin, m/s, and angular velocity, rad/s, world axes
+        self._twists = np.zeros((model.nbody, 6))
+        self._geom_body = np.asarray(model.geom_bodyid)
+        self._elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+        self.is_needed = False
+
+    def set(self, bodies: NDArray[np.intp], twists: NDArray[np.float64]) -> None:
+        """Set the twists (N, 6) of the surfaces of bodies for the next tick."""
+        self._twists[bodies] = twists
+        self.is_needed = bool(self._twists.any())
+
+    def rest(self) -> None:
+        """The tick is over."""
+        if self.is_needed:
+            self._twists[:] = 0.0
+            self.is_needed = False
+
+    def change(self) -> None:
+        """Measure the slip of contacts from the moving surfaces."""
+        data, contact = self._data, self._data.contact
+        pairs = self._geom_body[contact.geom]
+        chosen = np.flatnonzero(
+            (self._twists[pairs].any(axis=2)).any(axis=1) & (contact.efc_address >= 0) & (contact.dim > 1)
+        )
+        if not len(chosen):
+            return
+        dims, first, frames = contact.dim[chosen], contact.efc_address[chosen], contact.frame[chosen].reshape(-1, 3, 3)
+        pairs, places = pairs[chosen], contact.pos[chosen]
+        # of the second shape relative to the first one, as the engine counts
+        twists = self._twists[pairs[:, 1]] - self._twists[pairs[:, 0]]
+        linear, angular = twists[:, :3], twists[:, 3:]
+        for side, sign in ((0, -1.0), (1, 1.0)):
+            wx, wy, wz = self._twists[pairs[:, side], 3:].T
+            x, y, z = (places - data.xpos[pairs[:, side]]).T
+            linear += sign * np.stack((wy * z - wz * y, wz * x - wx * z, wx * y - wy * x), axis=1)
+        # along the two tangents; if the contact resists it, about the normal and about the tangents
+        speeds = (frames[:, 1:] * linear[:, None]).sum(axis=2)
+        if dims.max() > _PLAIN:
+            speeds = np.concatenate([speeds, (frames * angular[:, None]).sum(axis=2)], axis=1)
+        for direction in range(int(dims.max()) - 1):
+            has_it = dims > direction + 1
+            row, speed = first[has_it], speeds[has_it, direction]
+            if self._elliptic:
+                self._add(row + 1 + direction, speed)
+            else:
+                # the rows of a pyramid are pairs: the normal direction and a share of the tangent, both ways
+                share = contact.friction[chosen][has_it, direction] * speed
+                self._add(row + 2 * direction, share)
+                self._add(row + 2 * direction + 1, -share)
+
+    def _add(self, rows: NDArray[np.intp], speeds: NDArray[np.float64]) -> None:
+        data = self._data
+        data.efc_vel[rows] += speeds
+        data.efc_aref[rows] -= data.efc_KBIP[rows, 1] * speeds
 
 
 class WheelFriction:
@@ -307,7 +374,8 @@ class EngineState:
 
     def take_steps(self, steps: int) -> None:
         """Run steps of the engine."""
-        changes = [one.change for one in self.changes if one.is_needed]
+        # the others read the slip from the moving surfaces
+        changes = [one.change for one in (self.surfaces, *self.changes) if one.is_needed]
         if not changes:
             mujoco.mj_step(self.model, self.data, steps)
             return
@@ -325,6 +393,7 @@ class EngineState:
         self.data: mujoco.MjData = compiled.data
         self.sleep = Sleep(self.model, self.data)
         self.slots: list[Slot] = compiled.slots
+        self.surfaces = SurfaceMotion(self.model, self.data)
         self.sliding = Sliding(self.model, self.data, self.slots)
         self.impacts = Impacts(self.model, self.data, compiled.restitution)
         self.wheel_friction = WheelFriction(self.model, self.data, compiled.wheels)

@@ -1,1 +1,1 @@
-"""Doors and lifts."""
+"""Doors, lifts, conveyors and signals."""

@@ -1,15 +1,17 @@
-"""Panels: boxes that components move, each on its own, as one set."""
+"""Panels: boxes, discs and arcs that components move, each on its own, as one set."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from morse.assets.solids import cube
+from morse.assets.solids import cube, cylinder, polyhedron
+from morse.core.validation.arguments import Range
 from morse.mathutils.portable import matmul
 from morse.mathutils.rotations import quaternion_from_rotation
 from morse.scene import BodySettings, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
@@ -30,6 +32,12 @@ if TYPE_CHECKING:
 _NEAR, _BESIDE = 0.45, 0.05
 #: angle of a hinged door that is open, rad
 _WIDE = math.radians(95.0)
+#: angle of one of the convex pieces of an arc, rad
+_WEDGE = math.radians(7.5)
+#: m: nearer shapes touch
+_TOUCHING = 0.005
+
+BeltSpeed = Annotated[float, Range(-10.0, 10.0, "m/s")]
 
 
 def panel(name: str, size: Sequence[float], color: Sequence[float]) -> Node:
@@ -45,6 +53,99 @@ def panel(name: str, size: Sequence[float], color: Sequence[float]) -> Node:
     return node
 
 
+def disc(name: str, radius: float, thickness: float, color: Sequence[float]) -> Node:
+    """Return a disc about the Z axis, m, around its origin, which explicit calls move."""
+    node = panel(name, (2.0 * radius, 2.0 * radius, thickness), color)
+    round_one = cylinder()
+    assert node.mesh is not None
+    corners = (round_one.vertices * np.array([radius, radius, 0.5 * thickness])).astype(np.float32)
+    node.mesh = Mesh(name, corners, round_one.triangles, round_one.material_index, materials=node.mesh.materials)
+    node.shapes = [CollisionShape(ShapeKind.CYLINDER, (radius, 0.5 * thickness))]
+    return node
+
+
+def arc(name: str, radii: tuple[float, float], thickness: float, angle: float, color: Sequence[float]) -> Node:
+    """Return a part of a ring about the Z axis, around the height of its origin, which explicit calls move.
+
+    Args:
+        radii: the inner and the outer one, m.
+        thickness: along Z, m.
+        angle: from the X axis to its end, rad; negative to the right.
+    """
+    node = panel(name, (1.0, 1.0, thickness), color)
+    count = max(2, math.ceil(abs(angle) / _WEDGE))
+    turns = np.linspace(0.0, angle, count + 1)[:: 1 if angle > 0.0 else -1]
+    # a chord cuts the outer circle: the arc is as wide as asked for at the middle of each wedge
+    outer = radii[1] / math.cos(0.5 * abs(angle) / count)
+    rays = np.array([(math.cos(one), math.sin(one)) for one in turns.tolist()])
+    ring = np.concatenate([radii[0] * rays, outer * rays])
+    flat = np.concatenate([np.c_[ring, np.full(len(ring), 0.5 * side * thickness)] for side in (-1.0, 1.0)])
+    size = len(turns)
+    faces: list[tuple[int, ...]] = [(0, size, 3 * size, 2 * size), (size - 1, 3 * size - 1, 4 * size - 1, 2 * size - 1)]
+    shapes = []
+    for k in range(count):
+        a, b, c, d = k, k + 1, size + k, size + k + 1
+        top = [2 * size + one for one in (a, b, c, d)]
+        faces += [
+            *((a, b, d, c), (top[0], top[2], top[3], top[1])),
+            *((a, top[0], top[1], b), (c, d, top[3], top[2])),
+        ]
+        corners = flat[[a, b, c, d, *top]]
+        shapes.append(CollisionShape(ShapeKind.CONVEX, (), vertices=corners))
+    faces[1] = faces[1][::-1]
+    mesh = polyhedron(name, [tuple(point) for point in flat.tolist()], faces)
+    assert node.mesh is not None
+    mesh.materials = node.mesh.materials
+    node.mesh, node.shapes = mesh, shapes
+    return node
+
+
+def ghost(node: Node) -> Node:
+    """Let nothing collide with a node: it is only seen."""
+    node.body.type, node.shapes = PhysicsType.NO_COLLISION, []
+    return node
+
+
+def cabinet(
+    name: str, count: int, size: tuple[float, float, float], color: Sequence[float]
+) -> tuple[list[Node], list[list[float]]]:
+    """Return the walls of a cabinet behind the origin, and the places of boxes in it, the uppermost ones first.
+
+    Args:
+        count: number of boxes.
+        size: of a box, m.
+    """
+    layers = max(1, round((count * size[0] * size[1] / size[2] ** 2) ** (1.0 / 3.0)))
+    across = math.ceil(math.sqrt(count / layers * size[0] / size[1]))
+    deep = math.ceil(count / (layers * across))
+    pitch = (size[0] + 0.02, size[1] + 0.02, size[2] + 0.001)
+    inner = (deep * pitch[0] + 0.02, across * pitch[1] + 0.02, layers * pitch[2] + 0.05)
+    front, middle = -0.5 * size[0] - 0.1, -0.5 * size[0] - 0.12 - 0.5 * inner[0]
+    walls = []
+    for own, sides, place in (
+        ("bottom", (inner[0], inner[1], 0.05), (middle, 0.0, 0.025)),
+        ("roof", (inner[0] + 0.04, inner[1] + 0.04, 0.02), (middle, 0.0, 0.06 + inner[2])),
+        ("front", (0.02, inner[1] + 0.04, inner[2] + 0.05), (front - 0.01, 0.0, 0.025 + 0.5 * inner[2])),
+        ("back", (0.02, inner[1] + 0.04, inner[2] + 0.05), (front - 0.03 - inner[0], 0.0, 0.025 + 0.5 * inner[2])),
+        ("left", (inner[0], 0.02, inner[2] + 0.05), (middle, 0.5 * inner[1] + 0.01, 0.025 + 0.5 * inner[2])),
+        ("right", (inner[0], 0.02, inner[2] + 0.05), (middle, -0.5 * inner[1] - 0.01, 0.025 + 0.5 * inner[2])),
+    ):
+        wall = panel(f"{name} {own}", sides, color)
+        wall.body.type, wall.location = PhysicsType.STATIC, [*place]
+        walls.append(wall)
+    places = [
+        [
+            front - 0.03 - (column + 0.5) * pitch[0],
+            (row + 0.5 - 0.5 * across) * pitch[1],
+            0.0505 + layer * pitch[2] + 0.5 * size[2],
+        ]
+        for layer in range(layers)
+        for column in range(deep)
+        for row in range(across)
+    ]
+    return walls, places[:count][::-1]
+
+
 class Panels:
     """The panels of a component, in the frame of its node at the start.
 
@@ -57,6 +158,9 @@ class Panels:
         nodes = [node for node in owner.node.children if node.body.type is PhysicsType.KINEMATIC]
         self._bodies = [context.world.object_of(node) for node in nodes]
         self._rows = context.world.kinematic_bodies(self._bodies)
+        self.count = len(nodes)
+        #: (N, 3) of their centres at the start
+        self.start = np.array([node.location for node in nodes], dtype=np.float64)
         position, rotation = owner.world_pose()
         self.origin = np.array(position, dtype=np.float64)
         self.axes = np.reshape(np.array(rotation, dtype=np.float64), (3, 3))
@@ -64,19 +168,40 @@ class Panels:
         #: corners (8, 3) of boxes around robots, in their frames
         self._boxes: WeakKeyDictionary[Carrier, Floats] = WeakKeyDictionary()
 
-    def place(self, positions: Floats, angles: Floats) -> None:
+    def place(self, positions: Floats, angles: Floats, axis: int = 2) -> None:
         """Set the panels.
 
         Args:
             positions: (N, 3) of their centres in the frame of the component, m.
-            angles: (N,) about its Z axis, rad.
+            angles: (N,) about one of its axes, rad.
+            axis: 0 for its X axis, 2 for its Z axis.
         """
         world = self.origin + matmul(positions, self.axes.T)
         w, x, y, z = self._turn
         turned = [(math.cos(half), math.sin(half)) for half in (0.5 * angles).tolist()]
-        self._rows.place(
-            world, np.array([(w * c - z * s, x * c + y * s, y * c - x * s, w * s + z * c) for c, s in turned])
-        )
+        if axis == 0:
+            rows = [(w * c - x * s, w * s + x * c, y * c + z * s, z * c - y * s) for c, s in turned]
+        else:
+            rows = [(w * c - z * s, x * c + y * s, y * c - x * s, w * s + z * c) for c, s in turned]
+        self._rows.place(world, np.array(rows))
+
+    def move_surfaces(self, linear: Floats, turning: Floats) -> None:
+        """Let the surfaces of the panels move during the next tick, as belts do.
+
+        Args:
+            linear: (N, 3) velocities at the origins of the panels in the frame of the component, m/s.
+            turning: (N,) angular velocities about its Z axis, rad/s.
+        """
+        self._rows.move_surfaces(matmul(linear, self.axes.T), turning[:, None] * self.axes[:, 2])
+
+    def objects_on(self, number: int) -> list[str]:
+        """Return the names of what moves freely and touches a panel."""
+        near = self._context.world.touched_by(self._bodies[number], _TOUCHING)
+        return sorted(one.name for one in near if one.is_dynamic)
+
+    def is_touched(self, number: int, margin: float) -> bool:
+        """Whether something that moves is nearer than a margin, m, to the shape of a panel."""
+        return any(one.is_dynamic for one in self._context.world.touched_by(self._bodies[number], margin))
 
     def present(self, height: float = 0.0) -> Floats:
         """Return the places (M, 2) of robots and people on a floor, in the frame of the component, m.
@@ -153,6 +278,38 @@ def door_places(kind: str, width: float, height: float, openness: float) -> tupl
     return np.array([[0.0, -apart, middle], [0.0, apart, middle]]), np.zeros(2)
 
 
+def gate_place(width: float, height: float, openness: float) -> tuple[list[float], float]:
+    """Return the position (3), m, of the middle of the arm of a gate, and its angle about the X axis, rad."""
+    angle = 0.5 * math.pi * openness
+    hinge = -0.5 * width
+    return [0.0, hinge + 0.5 * width * math.cos(angle), height + 0.5 * width * math.sin(angle)], angle
+
+
+#: the lights of a traffic light, from above
+LENSES = {"red": (1.0, 0.05, 0.03), "yellow": (1.0, 0.7, 0.0), "green": (0.05, 1.0, 0.25)}
+
+
+def lenses(name: str, height: float) -> list[Node]:
+    """Return the lenses of a traffic light: dark ones, and bright ones in front of them that are hidden.
+
+    Args:
+        height: of the uppermost lens, m.
+    """
+    found = []
+    for row, (own, color) in enumerate(LENSES.items()):
+        for bright in (False, True):
+            paint = color if bright else tuple(0.18 * part for part in color)
+            lens = ghost(disc(f"{name} {own}{' on' if bright else ''}", 0.11, 0.02, paint))
+            lens.rotation_euler = [0.0, 0.5 * math.pi, 0.0]
+            lens.location = [0.11 + 0.005 * bright, 0.0, height - 0.28 * row]
+            if bright:
+                assert lens.mesh is not None
+                lens.visible = False
+                lens.mesh.materials = tuple(replace(one, shadeless=True) for one in lens.mesh.materials if one)
+            found.append(lens)
+    return found
+
+
 def lift_places(levels: Sequence[float], cabin: Sequence[float], height: float, openness: float) -> Floats:
     """Return positions (N, 3), m: floor, walls and doors of the cabin, and two doors of each floor.
 
@@ -177,3 +334,55 @@ def lift_places(levels: Sequence[float], cabin: Sequence[float], height: float, 
         own = apart if level == height else closed
         rows += [(0.5 * depth + 0.04, -own, level + middle), (0.5 * depth + 0.04, own, level + middle)]
     return np.array(rows)
+
+
+def belt_panels(
+    name: str,
+    size: tuple[float, float, float],
+    turn: float,
+    colors: tuple[Sequence[float], Sequence[float]],
+    *,
+    rails: bool,
+) -> list[Node]:
+    """Return the panels of a conveyor at their places: the belt, two stands, and rails.
+
+    Args:
+        size: length, width and height, m.
+        turn: see `morse.plugins.facilities.builder.Conveyor`.
+        colors: of the belt and of the rest.
+    """
+    length, width, height = size
+    dark, paint = colors
+    radius = length / turn if turn else 0.0
+    side = math.copysign(1.0, turn)
+
+    def part(own: str, low: float, high: float, top: float, thickness: float, color: Sequence[float]) -> Node:
+        """Return a strip along the belt, between two distances to the left of its middle."""
+        if not turn:
+            node = panel(f"{name} {own}", (length, high - low, thickness), color)
+            node.location = [0.5 * length, 0.5 * (low + high), top - 0.5 * thickness]
+            return node
+        radii = (abs(radius) + side * low * -1.0, abs(radius) + side * high * -1.0)
+        node = arc(f"{name} {own}", (min(radii), max(radii)), thickness, turn, color)
+        # an arc begins on the X axis of its node: turned so that the belt begins at the origin, along +X
+        node.location = [0.0, radius, top - 0.5 * thickness]
+        node.rotation_euler = [0.0, 0.0, -0.5 * math.pi * side]
+        return node
+
+    parts = [part("belt", -0.5 * width, 0.5 * width, height, 0.06, dark)]
+    low = height - 0.07
+    for number, share in enumerate((0.08, 0.92)):
+        stand = panel(f"{name} stand {number}", (0.06, 0.8 * width, low), paint)
+        angle = share * turn
+        along = (share * length, 0.0) if not turn else (radius * math.sin(angle), radius * (1.0 - math.cos(angle)))
+        stand.location, stand.rotation_euler = [*along, 0.5 * low], [0.0, 0.0, angle]
+        parts.append(stand)
+    if rails:
+        for own, edge in (("left rail", 0.5 * width), ("right rail", -0.5 * width - 0.03)):
+            parts.append(part(own, edge, edge + 0.03, height + 0.06, 0.12, paint))
+    return parts
+
+
+def approach(value: float, target: float, step: float) -> float:
+    """Return a value that has come nearer to another one by a step at most."""
+    return target if abs(target - value) <= step else value + math.copysign(step, target - value)

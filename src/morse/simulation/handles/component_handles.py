@@ -339,7 +339,13 @@ class ComponentHandle:
     def _listen(self, word: str) -> Object:
         component = self._wired
         if component is None or not self._is_current(component):
-            component = self._wire(Sensor, word, "it is an actuator: use publish()")
+            component = self._wire(
+                Sensor,
+                word,
+                "it is an actuator: use publish()"
+                if isinstance(self.component, Actuator)
+                else "it measures nothing by itself: read data, or a sensor on it",
+            )
             component.output_functions.append(self._measured)
         return component
 

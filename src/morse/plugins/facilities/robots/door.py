@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,26 +20,18 @@ if TYPE_CHECKING:
     from morse.core.world import Body
 
 
-class Door(Robot, Facility):
-    """A door that opens by presence or by call, and does not close while somebody is in it."""
-
-    _name = "Door"
-    _short_desc = "A hinged or sliding door that opens by presence or by call"
-    _builder = RobotDefaults(drive="free", builder="morse.plugins.facilities.builder.Door")
+class Opening(Robot, Facility):
+    """What opens by presence or by call, and does not close while somebody is in it."""
 
     add_data("state", "closed", "string", "closed, moving or open")
     add_data("openness", 0.0, "float", "Share of the way from closed to open", low=0.0, high=1.0)
     add_data("locked", False, "bool", "Whether it stays closed")
 
-    _kind: str
     _width: float
     _height: float
     _automatic: float
     _hold: float
     _duration: float
-    add_property("_kind", "hinged", "Kind", "string", "How it opens", choices=("hinged", "sliding", "double"))
-    add_property("_width", 0.95, "Width", "float", "Width of the opening", unit="m", low=0.3, high=50.0)
-    add_property("_height", 2.1, "Height", "float", "Height of the opening", unit="m", low=0.3, high=50.0)
     add_property(
         "_automatic", 0.0, "Automatic", "float", "Distance at which it opens by itself; 0: never", unit="m", low=0.0,
         high=100.0,
@@ -51,37 +44,54 @@ class Door(Robot, Facility):
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._panels = Panels(self.context, obj)
-        # read once, as the panels were made: clients may change properties while the simulation runs
-        self._made = self._kind, self._width, self._height
+        #: m, of the opening; read once: clients may change properties while the simulation runs
+        self._broad = self._width
         self._until = -math.inf
+        self._begin()
         self._show()
+
+    def _begin(self) -> None:
+        """Read what else was made once."""
+
+    @abstractmethod
+    def _swept(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """The corners of the box in which a panel moves."""
+
+    @abstractmethod
+    def _show(self) -> None:
+        """Place the panels."""
 
     @service
     def open(self) -> None:
-        """Open the door; it closes after the property ``Hold``."""
+        """Open it; it closes after the property ``Hold``."""
         if self.local_data["locked"]:
             raise MorseRPCInvokationError(f"{self.name()} is locked: call unlock first")
-        self._until = self.clock.time + self._duration + self._hold
+        self.keep_open()
+
+    def keep_open(self) -> None:
+        """Open it, unless it is locked."""
+        if not self.local_data["locked"]:
+            self._until = self.clock.time + self._duration + self._hold
 
     @service
     def close(self) -> None:
-        """Close the door as soon as nobody is in it."""
+        """Close it as soon as nobody is in it."""
         self._until = -math.inf
 
     @service
     def lock(self) -> None:
-        """Close the door as soon as nobody is in it, and let nobody open it."""
+        """Close it as soon as nobody is in it, and let nobody open it."""
         self.local_data["locked"] = True
         self._until = -math.inf
 
     @service
     def unlock(self) -> None:
-        """Let the door be opened again."""
+        """Let it be opened again."""
         self.local_data["locked"] = False
 
     def default_action(self) -> None:
         """Open, close or stay."""
-        data, half = self.local_data, 0.5 * self._made[1]
+        data, half = self.local_data, 0.5 * self._broad
         openness = data["openness"]
         if openness == 0.0 and self._until < self.clock.time and not self._automatic:
             return
@@ -100,16 +110,31 @@ class Door(Robot, Facility):
             self._show()
         data["state"] = "open" if openness == 1.0 else "closed" if openness == 0.0 else "moving"
 
+    def set_state(self, state: StateData) -> None:
+        """Restore a state, and the panels with it."""
+        super().set_state(state)
+        self._show()
+
+
+class Door(Opening):
+    """A door that opens by presence or by call, and does not close while somebody is in it."""
+
+    _name = "Door"
+    _short_desc = "A hinged or sliding door that opens by presence or by call"
+    _builder = RobotDefaults(drive="free", builder="morse.plugins.facilities.builder.Door")
+
+    _kind: str
+    add_property("_kind", "hinged", "Kind", "string", "How it opens", choices=("hinged", "sliding", "double"))
+    add_property("_width", 0.95, "Width", "float", "Width of the opening", unit="m", low=0.3, high=50.0)
+    add_property("_height", 2.1, "Height", "float", "Height of the opening", unit="m", low=0.3, high=50.0)
+
+    def _begin(self) -> None:
+        self._made = self._kind, self._width, self._height
+
     def _swept(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """The corners of the box in which a panel moves."""
         kind, width, height = self._made
         return (0.0, -0.5 * width, 0.0), (width if kind == "hinged" else 0.0, 0.5 * width, height)
 
     def _show(self) -> None:
         openness = float(self.local_data["openness"])
         self._panels.place(*door_places(*self._made, openness))
-
-    def set_state(self, state: StateData) -> None:
-        """Restore a state, and the panels with it."""
-        super().set_state(state)
-        self._show()

@@ -145,8 +145,11 @@ class Lift(Robot, Facility):
         else:
             data["height"], data["speed"] = data["height"] + sign * speed * period, sign * speed
             data["state"] = "up" if sign > 0.0 else "down"
-        passed = [number for number, level in enumerate(self.levels) if level <= data["height"] + 1e-6]
-        data["level"] = passed[-1] if passed else 0
+        floors = range(len(self.levels))
+        if sign > 0.0:
+            data["level"] = max((one for one in floors if self.levels[one] <= data["height"] + 1e-6), default=0)
+        else:
+            data["level"] = min((one for one in floors if self.levels[one] >= data["height"] - 1e-6), default=0)
 
     def _show(self) -> None:
         data = self.local_data

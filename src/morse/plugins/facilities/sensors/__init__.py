@@ -1,0 +1,1 @@
+"""What doors, gates and lifts tell."""
