@@ -132,7 +132,7 @@ class KinematicBodies:
             )
         if self._rows:
             bodies = [self._state.slots[self._indices[row]].body for row in self._rows]
-            self._state.surfaces.set(np.array(bodies, dtype=np.intp), twists[self._rows])
+            self._state.move_surfaces(np.array(bodies, dtype=np.intp), twists[self._rows])
 
 
 #: a few numbers of the engine are written in this way in a third of the time that an array takes

@@ -79,7 +79,7 @@ class Steps:
             if state.has_forces:
                 state.data.xfrc_applied[:] = 0.0
                 state.has_forces = False
-        state.surfaces.rest()
+        state.rest_surfaces()
         state.is_stirred = False
 
     @property
@@ -91,7 +91,6 @@ class Steps:
             or state.has_forces
             or state.touched
             or state.changes
-            or state.surfaces.is_needed
             or self._unstable is not None
             or self._may_sleep
         )
@@ -130,7 +129,7 @@ class Steps:
                 number, self._unstable = number - 1, error
             break
         state.known_contacts = None
-        state.surfaces.rest()
+        state.rest_surfaces()
         state.is_stirred = False
         sync(state)
         return number

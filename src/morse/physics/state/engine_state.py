@@ -101,15 +101,12 @@ class SurfaceMotion:
         self.is_needed = False
 
     def set(self, bodies: NDArray[np.intp], twists: NDArray[np.float64]) -> None:
-        """Set the twists (N, 6) of the surfaces of bodies for the next tick."""
+        """Set the twists (N, 6) of the surfaces of bodies."""
         self._twists[bodies] = twists
         self.is_needed = bool(self._twists.any())
 
-    def rest(self) -> None:
-        """The tick is over."""
-        if self.is_needed:
-            self._twists[:] = 0.0
-            self.is_needed = False
+    def begin(self) -> None:
+        """The tick begins: what moves is known."""
 
     def change(self) -> None:
         """Measure the slip of contacts from the moving surfaces."""
@@ -362,6 +359,9 @@ class EngineState:
     watch: Steps | None = None
     write_gliders: Callable[[Rows, Rows], None] | None = None
 
+    #: what lets surfaces move in the next tick
+    _surfaces: SurfaceMotion | None
+
     def __init__(self, compiled: Compiled, period: float) -> None:
         self.take(compiled, period)
 
@@ -374,8 +374,7 @@ class EngineState:
 
     def take_steps(self, steps: int) -> None:
         """Run steps of the engine."""
-        # the others read the slip from the moving surfaces
-        changes = [one.change for one in (self.surfaces, *self.changes) if one.is_needed]
+        changes = [one.change for one in self.changes if one.is_needed]
         if not changes:
             mujoco.mj_step(self.model, self.data, steps)
             return
@@ -386,6 +385,20 @@ class EngineState:
                     change()
             mujoco.mj_step2(self.model, self.data)
 
+    def move_surfaces(self, bodies: NDArray[np.intp], twists: NDArray[np.float64]) -> None:
+        """Let the surfaces of bodies move in the next tick with twists (N, 6)."""
+        if self._surfaces is None:
+            # the other changes read the slip from the moving surfaces
+            self._surfaces = SurfaceMotion(self.model, self.data)
+            self.changes.insert(0, self._surfaces)
+        self._surfaces.set(bodies, twists)
+
+    def rest_surfaces(self) -> None:
+        """The tick is over."""
+        if self._surfaces is not None:
+            self.changes.remove(self._surfaces)
+            self._surfaces = None
+
     def take(self, compiled: Compiled, period: float) -> None:
         """Use a compiled model, with all poses from the scene."""
         self.write_gliders = None
@@ -393,13 +406,13 @@ class EngineState:
         self.data: mujoco.MjData = compiled.data
         self.sleep = Sleep(self.model, self.data)
         self.slots: list[Slot] = compiled.slots
-        self.surfaces = SurfaceMotion(self.model, self.data)
+        self._surfaces = None
         self.sliding = Sliding(self.model, self.data, self.slots)
         self.impacts = Impacts(self.model, self.data, compiled.restitution)
         self.wheel_friction = WheelFriction(self.model, self.data, compiled.wheels)
         may_change = self.sliding.has_objects, self.impacts.is_needed, self.wheel_friction.has_wheels
         every: tuple[Change, ...] = self.sliding, self.impacts, self.wheel_friction
-        self.changes = [one for one, may in zip(every, may_change, strict=True) if may]
+        self.changes: list[Change] = [one for one, may in zip(every, may_change, strict=True) if may]
         self.geom_node: list[Node] = compiled.geom_node
         self.link_bodies: dict[Node, int] = compiled.link_bodies
         self.planes: dict[int, int] = compiled.planes
