@@ -12,7 +12,7 @@ from morse.version import __version__ as release  # noqa: E402, F401
 project = "MORSE"
 author = "The MORSE developers"
 copyright = "2026, The MORSE developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "component_library", "tour"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "component_library", "search_words", "tour"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 napoleon_use_ivar = True  # attributes are documented once

@@ -78,8 +78,10 @@ def _resolved(app: Sphinx, document: nodes.document, name: str) -> None:
         run = _PICTURES.get(image["uri"])
         if run is None:
             continue
-        frame = f'<iframe data-src="{up}_static/runs/{run}.html#loop" title="A recorded run"></iframe></span>'
-        image.parent.insert(image.parent.index(image), nodes.raw("", '<span class="run">', format="html"))
+        page = f"{up}_static/runs/{run}.html#loop"
+        start = f'<span class="run"><a href="{page}" title="Play this run">'
+        frame = f'</a><iframe data-src="{page}" title="A recorded run"></iframe></span>'
+        image.parent.insert(image.parent.index(image), nodes.raw("", start, format="html"))
         image.parent.insert(image.parent.index(image) + 1, nodes.raw("", frame, format="html"))
 
 

@@ -1,10 +1,14 @@
 """The component library contains the declarations of the components, and its examples run."""
 
+from __future__ import annotations
+
+import importlib
+import json
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from doc_pages import DOCS, ROOT
@@ -15,6 +19,11 @@ from morse.builder.names import catalog
 from morse.builder.script import load_scene
 from morse.core import declarations
 from morse.simulation.options import RunOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from playwright.sync_api import Browser
 
 pytestmark = pytest.mark.long
 
@@ -125,11 +134,13 @@ def test_robots_do_what_their_examples_say(pages: dict[str, str], name: str, sim
     assert moved == pytest.approx(1.0, abs=0.1)
 
 
-@pytest.mark.slow
-def test_the_documentation_builds_without_a_warning(tmp_path: Path):
-    sphinx = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-d", str(tmp_path / "cache")]
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The pages of the documentation, built without a warning."""
+    folder = tmp_path_factory.mktemp("site")
+    sphinx = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-d", str(folder / "cache")]
     done = subprocess.run(
-        [*sphinx, str(DOCS), str(tmp_path / "html")],
+        [*sphinx, str(DOCS), str(folder / "html")],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -137,7 +148,68 @@ def test_the_documentation_builds_without_a_warning(tmp_path: Path):
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "html" / "library" / "sensors" / "pose.html").is_file()
+    return folder / "html"
+
+
+@pytest.mark.slow
+def test_the_documentation_builds_without_a_warning(built: Path):
+    assert (built / "library" / "sensors" / "pose.html").is_file()
+    assert (built / "api.html").read_text(encoding="utf-8").count('id="morse.gym.') > 20
+
+
+@pytest.mark.slow
+def test_the_search_finds_pages_by_synonyms(built: Path):
+    text = (built / "searchindex.js").read_text(encoding="utf-8")
+    index = json.loads(text[text.index("{") : text.rindex("}") + 1])
+
+    def pages(word: str) -> set[str]:
+        found = index["terms"].get(word, [])
+        return {index["docnames"][number] for number in (found if isinstance(found, list) else [found])}
+
+    assert {"library/sensors/hokuyo", "library/sensors/sick"} <= pages("lidar")
+    assert "library/actuators/motionvw" in pages("wheel")  # the stem of wheels
+    assert "installation" in pages("docker")
+    assert "live-view" in pages("jupyt")
+
+
+def test_words_for_the_search_are_of_pages_that_exist(library, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.syspath_prepend(DOCS)
+    search_words = importlib.import_module("search_words")
+    names = {path.relative_to(DOCS).with_suffix("").as_posix() for path in DOCS.rglob("*.md")}
+    assert set(search_words.WORDS) <= names
+    assert set(search_words.component_words()) <= names
+    for name in library.page_names():
+        if name.startswith(("sensors/", "actuators/")) and not name.endswith("/index"):
+            assert f"library/{name}" in search_words.component_words()
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
+def test_runs_in_the_pages_do_not_move_them(built: Path, browser: Browser, width: int, height: int):
+    page = browser.new_page(viewport={"width": width, "height": height})
+    try:
+        page.goto((built / "examples.html").as_uri())
+        runs = page.locator(".run")
+        assert runs.count() > 3
+        for number in range(runs.count()):
+            place = "e => { scrollTo({ top: e.getBoundingClientRect().top + scrollY - 50, behavior: 'instant' }); }"
+            runs.nth(number).evaluate(place)
+            before = page.evaluate("scrollY")
+            if width > 640:
+                shown = runs.nth(number).locator("iframe[src]")
+                shown.wait_for(state="attached")
+                frame = shown.element_handle().content_frame()
+                frame.wait_for_function("!!globalThis.morse?.world.value")
+                # those out of sight are not loaded
+                assert page.locator(".run iframe[src]").count() < runs.count()
+            else:  # the picture opens the run
+                assert runs.nth(number).locator("a").get_attribute("href").startswith("_static/runs/")
+                assert not runs.nth(number).locator("iframe").is_visible()
+            assert page.evaluate("scrollY") == before
+        assert page.evaluate("document.documentElement.scrollWidth") == width
+    finally:
+        page.close()
 
 
 def test_every_picture_is_on_a_page(pages: dict[str, str], library):

@@ -132,10 +132,10 @@ def models(sources: Sequence[str] = ()) -> list[Model]:
     for group in ("robots", *_ON_ROBOTS):
         described = catalog.components(f"morse.{group}")
         items += [Model(kind, name, group) for kind, name in own if kind.rpartition(":")[0].endswith(f".{group}")]
-        for name in getattr(builder, group).__all__:
+        for name in (*getattr(builder, group).__all__, *_of_plugins(group)):
             cls = getattr(builder, name)
             if _is_component(cls, group):
-                items.append(Model(name, name, group, *_described(cls, described.get(name))))
+                items.append(Model(name, name, group, *described_class(cls, described.get(name))))
     for name in builder.__all__:
         cls = getattr(builder, name)
         if isinstance(cls, type) and issubclass(cls, BlenderObject) and name not in _NO_SOLIDS:
@@ -173,6 +173,19 @@ def _objects(name: str, category: str) -> Iterator[Model]:
         yield Model(f"{name}#{root.name}", label.replace("_", " "), path.stem.replace("_", " "))
 
 
+def _of_plugins(group: str) -> list[str]:
+    """The names in the builder of the sensors or actuators of plug-ins."""
+    from morse import builder
+
+    names = []
+    for name in builder.__all__:
+        cls = getattr(builder, name)
+        path = (getattr(cls, "_classpath", None) or "") if isinstance(cls, type) else ""
+        if group in path.split(".") and not path.startswith(f"morse.{group}."):
+            names.append(name)
+    return names
+
+
 def _is_component(cls: object, group: str) -> bool:
     """Whether a name of the builder is a robot or a component that can be added as it is."""
     if not isinstance(cls, type) or cls.__name__ == "FakeRobot":
@@ -184,7 +197,7 @@ def _is_component(cls: object, group: str) -> bool:
     return issubclass(cls, ComponentCreator) and cls._classpath is not None and is_complete
 
 
-def _described(cls: type[Robot | ComponentCreator], entry: catalog.Entry | None) -> tuple[str, str]:
+def described_class(cls: type[Robot | ComponentCreator], entry: catalog.Entry | None) -> tuple[str, str]:
     """What a robot or a component is, in a sentence, and the words of its declaration and their synonyms."""
     doc = (inspect.getdoc(cls) or "").partition("\n")[0] if entry is None else entry.doc
     classpath = cls._classpath if entry is None else entry.classpath
