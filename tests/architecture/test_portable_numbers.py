@@ -22,7 +22,12 @@ _ROUNDED_BY_THE_PROCESSOR = {
     *("exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "power", "float_power", "cbrt"),
 }
 #: files with numpy whose products are those of `morse.mathutils.Matrix`
-_PRODUCTS_OF_MATRICES = {"plugins/blend/evaluation.py": 2, "assets/mjcf/reader.py": 3, "assets/sdf/geometry.py": 2}
+_PRODUCTS_OF_MATRICES = {
+    "plugins/blend/evaluation.py": 2,
+    "assets/mjcf/reader.py": 3,
+    "assets/mjcf/shapes.py": 1,
+    "assets/sdf/geometry.py": 2,
+}
 
 
 def _calls(tree: ast.AST) -> list[str]:

@@ -13,6 +13,7 @@ from morse.kernel import threads
 from morse.kernel.drawing.arrays import MATERIAL, VERTEX, Drawing
 from morse.kernel.drawing.native import NativeDrawer, drawer
 from morse.rendering.contents import MeshStore
+from morse.rendering.meshes import numbers_as_uvs, numbers_in
 from morse.rendering.textures import LINEAR, TextureStore
 
 if TYPE_CHECKING:
@@ -40,8 +41,6 @@ _SRGB = 2
 
 #: shapes whose vertices are those of a scene
 MOVING = ("skin", "flex")
-#: vertices are numbered by two texture coordinates
-_NUMBERS = 4096
 
 
 class Shape(NamedTuple):
@@ -121,7 +120,7 @@ class ModelStore:
         for key, (clusters, slots) in parts:
             if key[0] in MOVING:
                 place = slice(vertices, vertices + len(clusters.vertices))
-                moving[key] = place, _numbers_in(clusters.vertices["uv"])
+                moving[key] = place, numbers_in(clusters.vertices["uv"])
             shapes[key] = Shape(first, len(clusters.clusters), slots)
             numbers.append(clusters.clusters + np.array([vertices, 0, triangles, 0], np.int32))
             vertices, triangles = vertices + len(clusters.vertices), triangles + len(clusters.triangles)
@@ -232,19 +231,14 @@ class ModelStore:
 
 
 def _numbered(faces: NDArray[np.int32], vertices: int) -> Triangles:
-    """Triangles whose vertices move: their texture coordinates are the numbers of the vertices, see `_numbers_in`."""
-    numbers = np.stack([np.arange(vertices) % _NUMBERS, np.arange(vertices) // _NUMBERS], axis=-1).astype(np.float32)
+    """Triangles whose vertices move; see `numbers_as_uvs`."""
     return Triangles(
         np.zeros((vertices, 3), np.float32),
         np.ascontiguousarray(faces, np.int32),
         np.zeros((len(faces), 3, 3), np.float32),
-        numbers[faces],
+        numbers_as_uvs(faces),
         np.zeros(len(faces), np.int32),
     )
-
-
-def _numbers_in(uv: NDArray[np.float32]) -> NDArray[np.intp]:
-    return (uv[:, 0] + _NUMBERS * uv[:, 1]).astype(np.intp)
 
 
 def _planar(mesh: Triangles) -> Triangles:

@@ -199,7 +199,7 @@ class Bodies:
         """
         state = self._state
         slot = state.slots[index]
-        if slot.frame.motion in (Motion.HINGE, Motion.JOINT):
+        if slot.frame.motion in (Motion.HINGE, Motion.JOINT) or slot.soft:
             return
         if slot.qpos >= 0:
             state.is_stirred = True

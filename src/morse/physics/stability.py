@@ -232,7 +232,8 @@ class Rescue:
             mujoco.mj_getState(state.model, state.data, numbers, engine_values.STATE)
             asleep[:] = state.data.tree_asleep
             engine_values.rewind(state, numbers, asleep)
-            run()
+            with suppress(mujoco.FatalError):  # another body diverges
+                run()
             if not self._wrong():
                 break
         else:
@@ -311,6 +312,8 @@ class Rescue:
         """Return the speed of a body before a step plus the speed that the forces add in the step."""
         model = self._state.model
         dofs = slot.numbers[1]
+        if slot.soft:
+            return float(np.abs(speeds[slot.dof : slot.dof + dofs]).max())
         mass = max(float(model.body_mass[slot.body]), 1e-9)
         speed_gain = float(pushes[slot.body]) / mass * float(model.opt.timestep)
         return float(np.abs(speeds[slot.dof : slot.dof + dofs]).max()) + speed_gain
@@ -321,6 +324,14 @@ class Rescue:
         """Reset a body and its wheels to their pose before the tick; if that is lost, to their pose in the scene."""
         state = self._state
         data = state.data
+        if slot.soft:
+            dofs = slice(slot.dof, slot.dof + slot.soft)
+            for values in (data.qvel, data.qacc_warmstart, data.qfrc_applied):
+                values[dofs] = 0.0
+            place = slice(slot.qpos, slot.qpos + slot.soft)
+            if not np.abs(data.qpos[place]).max() <= RUNAWAY_DISTANCE:
+                data.qpos[place] = state.model.qpos0[place]
+            return
         index = state.slot_of[slot.frame.root.node]
         slot = state.slots[index]
         links = [state.slots[link] for link in state.links.get(index, ())]

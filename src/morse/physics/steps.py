@@ -93,6 +93,8 @@ class Steps:
             or state.changes
             or self._unstable is not None
             or self._may_sleep
+            # their vertices are read by the world
+            or state.flexes is not None
         )
 
     @property
@@ -179,7 +181,9 @@ class Steps:
         try:
             self._run()
         except mujoco.FatalError as error:
-            self._run_relieved(str(error))
+            # the engine also stops at contacts of a deformable body that has diverged
+            if "memory" in str(error) or self._rescue.all_is_well():
+                self._run_relieved(str(error))
         else:
             # the engine may also continue with a part of the contacts
             if data.maxuse_con > self._crowding.most and data.warning[_FULL].number:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +23,8 @@ from morse.kernel.drawing.arrays import (
     Drawing,
 )
 from morse.mathutils.portable import det, matmul
-from morse.rendering.meshes import clusters_of
-from morse.rendering.scenery import Frames, Scenery
+from morse.rendering.meshes import clusters_of, numbers_as_uvs, numbers_in
+from morse.rendering.scenery import Flex, Frames, Scenery
 from morse.scene import is_shown, slot_materials
 from morse.scene.extent import shown_mesh
 from morse.scene.frames import rigid_frame
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from morse.physics import World
     from morse.rendering.meshes import Clusters, Triangulated
     from morse.rendering.textures import TextureStore
-    from morse.scene import Material, Node
+    from morse.scene import Material, Mesh, Node
 
 #: opacity below which a surface is translucent
 _OPAQUE = 0.99
@@ -113,13 +114,14 @@ class Contents:
         textures.read_ahead(m.image for surfaces in surfaces_of for m in surfaces if m.image is not None)
         cuts = meshes.clusters(
             [
-                (mesh, len(surfaces), any(surface.image is not None for surface in surfaces))
+                _request(node, mesh, surfaces)
                 for node, surfaces in zip(self.nodes, surfaces_of, strict=True)
                 if (mesh := shown_mesh(node)) is not None
             ]
         )
         slots: list[int] = []
         parts: list[tuple[int, int, int, int]] = []
+        flexed: list[tuple[int, Clusters, int, int]] = []
         for number, (node, surfaces, clusters) in enumerate(zip(self.nodes, surfaces_of, cuts, strict=True)):
             frame = rigid_frame(node)
             self._stretches[number] = [list(row) for row in frame.stretch]
@@ -132,8 +134,21 @@ class Contents:
             flags |= MOVES * int(not world.is_fixed(self._groups[number]))
             own = [self._material(material, node.color or material.color) for material in surfaces]
             flags |= SOLID * int(not any(self._has_holes[material] for material in own))
-            parts += [(c, number, len(slots), flags) for c in self._clusters(clusters)]
+            if node.flex is None:
+                parts += [(c, number, len(slots), flags) for c in self._clusters(clusters)]
+            else:
+                flexed.append((number, clusters, len(slots), flags))
             slots += own
+        flexes: list[Flex] = []
+        for number, clusters, slot, flags in flexed:
+            first, own_first = self._counts[0], self._counts[2]
+            # each has its own vertices
+            alone = clusters._replace(closed=np.zeros_like(clusters.closed))
+            self._cut.pop(id(alone), None)
+            own_clusters = self._clusters(alone)
+            parts += [(c, number, slot, flags) for c in own_clusters]
+            place = slice(first, first + len(clusters.vertices)), slice(own_first, own_first + len(own_clusters))
+            flexes.append(self._flex(number, *place, numbers_in(clusters.vertices["uv"])))
         self._settle(range(len(self.nodes)))
         self._layout = -1
         self._displaced: list[int] = []
@@ -150,7 +165,7 @@ class Contents:
             np.concatenate([np.zeros(0, np.float32), *(c.guards for c in self._chunks)]),
             np.concatenate([np.zeros((0, 6), np.float32), *(c.levels for c in self._chunks)]),
         )
-        self.scenery = Scenery(drawing, self._groups, placed)
+        self.scenery = Scenery(drawing, self._groups, placed, flexes)
 
     # -- contents --------------------------------------------------------------------------
 
@@ -164,6 +179,22 @@ class Contents:
             for index, rows in enumerate((clusters.vertices, clusters.triangles, clusters.clusters)):
                 self._counts[index] += len(rows)
         return self._cut[id(clusters)]
+
+    def _flex(self, number: int, vertices: slice, clusters: slice, numbers: NDArray[np.intp]) -> Flex:
+        """A deformable body; see `Flex`."""
+        node = self.nodes[number]
+        mesh, follows = shown_mesh(node), node.flex
+        assert mesh is not None
+        assert follows is not None
+        starts = np.array([list(child.location) for child in node.children])
+        slots = np.array([self._world.object_of(child).slot for child in node.children], dtype=np.intp)
+        uvs = np.zeros((len(mesh.vertices), 2), np.float32)
+        if mesh.uvs is not None:
+            uvs[mesh.triangles.ravel()] = mesh.uvs.reshape(-1, 2)
+        offsets = mesh.vertices.astype(np.float64) - starts[follows]
+        return Flex(
+            int(self._groups[number]), vertices, clusters, numbers, slots[follows], offsets, mesh.triangles, uvs
+        )
 
     def _joined(self) -> tuple[NDArray[np.void], NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
         return (
@@ -230,6 +261,16 @@ class Contents:
     def node(self, number: int) -> Node:
         """The node of an instance."""
         return self.nodes[number]
+
+
+def _request(node: Node, mesh: Mesh, surfaces: Sequence[Material]) -> tuple[Triangulated, int, bool]:
+    """See `MeshStore.clusters`."""
+    if node.flex is None:
+        return mesh, len(surfaces), any(surface.image is not None for surface in surfaces)
+    numbered = replace(
+        mesh, uvs=numbers_as_uvs(mesh.triangles), normals=np.zeros((len(mesh.triangles), 3, 3), np.float32)
+    )
+    return numbered, len(surfaces), True
 
 
 def _material_rows(table: NDArray[np.object_]) -> NDArray[np.void]:

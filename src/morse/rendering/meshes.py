@@ -389,6 +389,23 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     )
 
 
+#: vertices are numbered by two texture coordinates
+_NUMBERS = 4096
+
+
+def numbers_as_uvs(triangles: NDArray[np.integer]) -> NDArray[np.float32]:
+    """Return texture coordinates (T, 3, 2) of triangles (T, 3) whose vertices move: the numbers of the vertices.
+
+    They survive `clusters_of`, which sorts and merges vertices; `numbers_in` reads them again.
+    """
+    return np.stack([triangles % _NUMBERS, triangles // _NUMBERS], axis=-1).astype(np.float32)
+
+
+def numbers_in(uv: NDArray[np.float32]) -> NDArray[np.intp]:
+    """Return the numbers (N,) of vertices with the texture coordinates (N, 2) of `numbers_as_uvs`."""
+    return (uv[:, 0] + _NUMBERS * uv[:, 1]).astype(np.intp)
+
+
 def spheres_around(points: NDArray[np.float32], firsts: NDArray[np.integer]) -> NDArray[np.float32]:
     """(C, 4) centres and radii of spheres around points (N, 3) that are grouped; `firsts` (C,) begin the groups."""
     if not len(firsts):

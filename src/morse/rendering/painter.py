@@ -182,6 +182,8 @@ class Painter:
     def _at(self, instant: Instant, orders: Sequence[Order], time: float = 0.0) -> list[Picture]:
         """Render images that show one instant, at a time relative to the tick."""
         poses = self._scenery.poses(instant.frames, time)
+        if self._scenery.flexes:
+            self._drawer.reshape(self._scenery.flexes[0].clusters.start)
         cameras = cameras_of(orders, time)
         light = self._light
         if cameras["color"].any():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -9,12 +10,17 @@ import numpy as np
 from morse.kernel.drawing.arrays import DITHERED, MASKED, MOVES, Poses
 from morse.mathutils.portable import matmul
 from morse.rendering.lens import moved
+from morse.rendering.meshes import spheres_around
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.kernel.drawing.arrays import Drawing
 
+#: coordinates of vertices beyond which a deformable body has diverged, m
+_FARTHEST = 1e7
 #: the cyclic order of axes
 _NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 
@@ -40,10 +46,68 @@ class Frames(NamedTuple):
     velocities: tuple[NDArray[np.float64], NDArray[np.float64]] | None
 
 
+class Flex(NamedTuple):
+    """A deformable body in a drawing.
+
+    Attributes:
+        group: that of its instance.
+        vertices, clusters: where its vertices and clusters are in the drawing.
+        numbers: (N,) the vertex of the mesh that each vertex in the drawing is.
+        followed: (V,) the group that each vertex of the mesh follows.
+        offsets: (V, 3) from that group to the vertex, world axes, m.
+        triangles: (T, 3) vertices of the mesh.
+        uvs: (V, 2) texture coordinates.
+    """
+
+    group: int
+    vertices: slice
+    clusters: slice
+    numbers: NDArray[np.intp]
+    followed: NDArray[np.intp]
+    offsets: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    uvs: NDArray[np.float32]
+
+    def points(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return its vertices (V, 3) in the world, m, at the positions of the groups."""
+        return positions[self.followed] + self.offsets
+
+    def origin(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the origin (3,) of the instance.
+
+        It is another one for any other shape, because images and shadows are kept while no instance has moved.
+        """
+        return np.asarray(points.mean(axis=0)) + 1e-3 * zlib.crc32(np.ascontiguousarray(points).data) / 2**32
+
+    def shape(self, drawing: Drawing, points: NDArray[np.float64]) -> None:
+        """Move its vertices in the drawing.
+
+        Args:
+            points: (V, 3) relative to the origin, m.
+        """
+        points = np.where(np.abs(points) < _FARTHEST, points, 0.0)
+        corners = points[self.triangles]
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = np.zeros_like(points)
+        for corner in range(3):
+            np.add.at(normals, self.triangles[:, corner], faces)
+        normals /= np.maximum(np.sqrt((normals**2).sum(axis=1, keepdims=True)), 1e-30)
+        vertices = drawing.vertices[self.vertices]
+        vertices["p"], vertices["n"] = points[self.numbers], normals[self.numbers]
+        vertices["uv"] = self.uvs[self.numbers]
+        firsts = drawing.clusters[self.clusters, 0] - self.vertices.start
+        drawing.spheres[self.clusters] = spheres_around(vertices["p"], firsts)
+        drawing.guards[self.clusters] = drawing.spheres[self.clusters, 3]
+        # all levels of detail have one sphere
+        whole = spheres_around(vertices["p"], np.zeros(min(len(firsts), 1), np.intp))
+        drawing.levels[self.clusters, :4] = whole
+
+
 class Scenery:
     """The instances of meshes in a scene; it can be pickled.
 
     Attributes:
+        flexes: the deformable bodies, whose clusters are the last ones.
         drawing: their triangles and surfaces.
         groups: (I,) the group of each instance, whose pose `Frames` contains.
         placed: (I, 3, 4) mesh to world, at the poses of the scene.
@@ -51,8 +115,10 @@ class Scenery:
         moving: (P,) whether it also may move.
     """
 
-    def __init__(self, drawing: Drawing, groups: NDArray[np.intp], placed: NDArray[np.float64]) -> None:
-        self.drawing, self.groups, self.placed = drawing, groups, placed
+    def __init__(
+        self, drawing: Drawing, groups: NDArray[np.intp], placed: NDArray[np.float64], flexes: Sequence[Flex] = ()
+    ) -> None:
+        self.drawing, self.groups, self.placed, self.flexes = drawing, groups, placed, flexes
         self.finest = drawing.levels[drawing.parts[:, 0], 4] == 0.0
         self.moving = (drawing.parts[:, 3] & MOVES != 0) & self.finest
         count = len(groups)
@@ -63,7 +129,7 @@ class Scenery:
         )
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Scenery, (self.drawing, self.groups, self.placed)
+        return Scenery, (self.drawing, self.groups, self.placed, self.flexes)
 
     def casts_as(self, other: Scenery) -> bool:
         """Whether both cast the same shadows at the same poses: only colours, and textures without holes, differ."""
@@ -76,7 +142,7 @@ class Scenery:
         )
 
     def poses(self, frames: Frames, time: float = 0.0) -> Poses:
-        """Return the poses of all instances; invisible instances get zeros.
+        """Return the poses of all instances, and move the vertices of deformable bodies; invisible ones get zeros.
 
         Args:
             frames: the poses of the groups; with velocities if ``time`` is not 0.
@@ -86,6 +152,13 @@ class Scenery:
         if time:
             assert frames.velocities is not None
             positions, rotations = moved(positions, rotations, *frames.velocities, time)
+        for flex in self.flexes:
+            points = flex.points(positions)
+            origin = flex.origin(points)
+            flex.shape(self.drawing, points - origin)
+            if positions is frames.positions:
+                positions = positions.copy()
+            positions[flex.group] = origin
         frames = frames._replace(positions=positions, rotations=rotations)
         before, poses = self._posed
         rows = self._changed(before, frames)

@@ -92,6 +92,8 @@ class Mesh:
         uvs: (T, 3, 2) float32 texture coordinates of each corner (v upward), or None.
         normals: (T, 3, 3) float32 unit normal of each corner, or None for flat shading.
         materials: default material slots, used if the node has none.
+        follows: (V,) int32, of a deformable body: which child of its node each vertex follows; the physics moves these.
+            None for others.
     """
 
     name: str
@@ -101,3 +103,4 @@ class Mesh:
     uvs: NDArray[np.float32] | None = None
     normals: NDArray[np.float32] | None = None
     materials: tuple[Material | None, ...] = ()
+    follows: NDArray[np.int32] | None = None

@@ -96,6 +96,7 @@ class MjcfModel:
         ground: friction (3), ``solref`` (2), ``solimp`` (5), ``solmix``, ``margin``, ``gap``, ``condim`` and
             ``priority`` of the plane that is the floor of the file, or of a plane without settings.
         is_joined: whether a constraint of the file joins it with another part.
+        flexes: name of a node in the model to the name of the deformable body (flex).
         has_floor: whether the file has a plane that is the floor, on which its robot is placed.
         floors: names of the nodes of level planes below height 0, in a file without one at height 0.
     """
@@ -111,6 +112,7 @@ class MjcfModel:
     is_joined: bool = False
     has_floor: bool = False
     floors: tuple[str, ...] = ()
+    flexes: dict[str, str] = field(default_factory=dict)
 
 
 def name_all(spec: Any) -> None:

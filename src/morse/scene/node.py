@@ -17,6 +17,9 @@ from morse.scene.mesh import Image, Material
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from numpy import int32
+    from numpy.typing import NDArray
+
     from morse.scene.articulation import Bone, Inertial
     from morse.scene.body import CollisionShape
     from morse.scene.component import SourceLine
@@ -94,6 +97,11 @@ class Node:
     def plain_name(self) -> str:
         """The name in the source file without a copy suffix (``left_eye`` for ``left_eye.001``)."""
         return _COPY_SUFFIX.sub("", self.source_name or self.name)
+
+    @property
+    def flex(self) -> NDArray[int32] | None:
+        """Which child each vertex of its mesh follows, (V,), if it is a deformable body; see `Mesh.follows`."""
+        return None if self.mesh is None else self.mesh.follows
 
     @property
     def line(self) -> SourceLine | None:

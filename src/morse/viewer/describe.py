@@ -11,6 +11,7 @@ import numpy as np
 from morse.scene import is_shown, slot_materials
 from morse.scene.extent import shown_mesh, water_level
 from morse.viewer import description as d
+from morse.viewer.site import pack_mesh
 from morse.viewer.snapshot import MovingNode
 from morse.viewer.view_messages import Appearance
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics import World
-    from morse.scene import Camera, CollisionShape, Display, Image, Light, Material, Mist, Node, Scene
+    from morse.scene import Camera, CollisionShape, Display, Image, Light, Material, Mesh, Mist, Node, Scene
     from morse.viewer.site import AssetStore
 
     Floats = NDArray[np.float64]
@@ -200,6 +201,7 @@ def describe(
                 light=None if node.light is None else describe_light(node.light),
                 camera=None if node.camera is None else _camera(node.camera),
                 shapes=[_shape(shape) for shape in node.shapes or ()],
+                follows=_follows(node, mesh, index),
                 kind=kinds.get(id(node), ""),
             )
         )
@@ -213,6 +215,16 @@ def describe(
         moving=[index[id(mover.node)] for mover in moving],
         view=_view(scene),
     )
+
+
+def _follows(node: Node, mesh: Mesh | None, index: Mapping[int, int]) -> list[int] | None:
+    """The nodes that the vertices of the packed mesh of a deformable body follow."""
+    if node.flex is None or mesh is None:
+        return None
+    children = [index[id(child)] for child in node.children]
+    # vertices have different places
+    places = {place.tobytes(): vertex for vertex, place in enumerate(mesh.vertices + np.float32(0.0))}
+    return [children[node.flex[places[place.tobytes()]]] for place in pack_mesh(mesh).positions()]
 
 
 def _material(material: Material, asset_store: AssetStore) -> d.MaterialDescription:

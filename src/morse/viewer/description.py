@@ -161,6 +161,7 @@ class NodeDescription(Struct, frozen=True):
         stretch: row-major 3x3 matrix for the vertices of the mesh, or None.
         mesh: index, or -1.
         materials: indices, by slot.
+        follows: of a deformable body, the node that each vertex of its mesh follows; else None.
         kind: kind of the component that the node belongs to: ``robot``, ``sensor``, ...; empty if none.
     """
 
@@ -177,6 +178,7 @@ class NodeDescription(Struct, frozen=True):
     light: LightDescription | None = None
     camera: CameraDescription | None = None
     shapes: list[ShapeDescription] = []
+    follows: list[int] | None = None
     kind: str = ""
 
 

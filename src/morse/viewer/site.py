@@ -48,6 +48,10 @@ class PackedMesh:
     textured: bool
     groups: tuple[tuple[int, int, int], ...]
 
+    def positions(self) -> NDArray[np.float32]:
+        """Return the positions (V, 3), m."""
+        return np.frombuffer(self.data, "<f4", 3 * self.vertices).reshape(-1, 3)
+
 
 def pack_mesh(mesh: Mesh) -> PackedMesh:
     """Merge corners with equal position, normal and texture coordinates, and sort triangles by material."""

@@ -324,13 +324,13 @@ def test_renamed_attributes_keep_their_meaning(tmp_path: Path) -> None:
     ("asset", "body", "lost"),
     [
         ('<mesh name="m"><plugin plugin="mujoco.sdf.torus"/></mesh>', '<geom type="mesh" mesh="m"/>', "plugin"),
-        ("", '<flexcomp name="f" type="grid" count="2 2 1" spacing="1 1 1" radius="0.01" dim="2"/>', "flexcomp"),
+        ("", '<flexcomp name="f" type="gmsh" file="none.msh" radius="0.01" dim="3"/>', "deformable"),
     ],
 )
 def test_what_is_left_out_does_not_make_the_rest_unreadable(tmp_path: Path, asset: str, body: str, lost: str) -> None:
     path = tmp_path / "model.xml"
     extra = ""
-    if lost == "flexcomp":
+    if lost == "deformable":
         extra = '<keyframe><key qpos="0 1 2 3 4 5 6 7 8 9 10 11 12"/></keyframe>'
         extra += '<equality><connect body1="f_0" body2="b" anchor="0 0 0"/></equality>'
     path.write_text(

@@ -14,6 +14,39 @@ const BATCH_FROM = 4;
 
 const geometries = new GeometryStore(fetchFile);
 
+/** A deformable body: each vertex of its geometry follows a node. */
+class Flex {
+  readonly geometry: BufferGeometry;
+  private readonly offsets: number[] = [];
+
+  constructor(
+    private readonly node: WorldNode,
+    geometry: BufferGeometry,
+    private readonly followed: WorldNode[],
+  ) {
+    this.geometry = geometry.clone();
+    const places = this.geometry.getAttribute("position");
+    followed.forEach(({ description }, k) => {
+      const [x, y, z] = description.position;
+      this.offsets.push(places.getX(k) - x, places.getY(k) - y, places.getZ(k) - z);
+    });
+  }
+
+  /** Take over the present positions of the nodes. */
+  bend(): void {
+    const places = this.geometry.getAttribute("position");
+    const origin = this.node.frame.position;
+    this.followed.forEach(({ frame: { position } }, k) => {
+      const [x, y, z] = this.offsets.slice(3 * k, 3 * k + 3) as [number, number, number];
+      places.setXYZ(k, position.x - origin.x + x, position.y - origin.y + y, position.z - origin.z + z);
+    });
+    places.needsUpdate = true;
+    this.geometry.computeVertexNormals();
+    this.geometry.computeBoundingSphere();
+    this.geometry.computeBoundingBox();
+  }
+}
+
 /** A world as described, at the latest poses. */
 export class World {
   readonly root = new Group();
@@ -22,6 +55,7 @@ export class World {
   private readonly moving: WorldNode[];
   private readonly batches: Batch[] = [];
   private readonly batchOf = new Map<WorldNode, Batch>();
+  private readonly flexes = new Map<WorldNode, Flex>();
 
   /** @param from gives the files of the world; by default, those of the simulator or of the run in this page */
   static async load(description: SceneDescription, anisotropy: number, onChange: () => void, from?: (url: string) => Promise<Response>): Promise<World> {
@@ -62,6 +96,7 @@ export class World {
       frame.quaternion.copy(before.frame.quaternion);
     }
     this.root.updateMatrixWorld();
+    for (const flex of this.flexes.values()) flex.bend();
   }
 
   /** Apply poses; false if they belong to another world. */
@@ -73,6 +108,7 @@ export class World {
       frame.quaternion.set(poses[at + 4] as number, poses[at + 5] as number, poses[at + 6] as number, poses[at + 3] as number);
     });
     this.root.updateMatrixWorld();
+    for (const flex of this.flexes.values()) flex.bend();
     return true;
   }
 
@@ -110,7 +146,7 @@ export class World {
     const box = new Box3();
     const part = new Box3();
     for (const node of nodes) {
-      const mesh = this.meshes[node.description.mesh];
+      const mesh = this.flexes.get(node)?.geometry ?? this.meshes[node.description.mesh];
       if (!mesh?.boundingBox || !node.visible) continue;
       box.union(part.copy(mesh.boundingBox).applyMatrix4(node.stretch).applyMatrix4(node.frame.matrixWorld));
     }
@@ -127,6 +163,7 @@ export class World {
   dispose(): void {
     this.root.removeFromParent();
     for (const { mesh } of this.batches.flatMap(({ levels }) => levels)) mesh.dispose();
+    for (const { geometry } of this.flexes.values()) geometry.dispose();
     this.materials.dispose();
   }
 
@@ -148,7 +185,7 @@ export class World {
       const { mesh, materials, color } = node.description;
       if (mesh < 0) continue;
       // a mirrored mesh has the opposite winding: a batch cannot contain both
-      const key = node.stretch.determinant() < 0 ? `${node.index}` : `${mesh}/${materials.join()}/${color?.join() ?? ""}`;
+      const key = node.stretch.determinant() < 0 || node.description.follows ? `${node.index}` : `${mesh}/${materials.join()}/${color?.join() ?? ""}`;
       const group = alike.get(key);
       if (group) group.push(node);
       else alike.set(key, [node]);
@@ -169,7 +206,9 @@ export class World {
   private drawAlone(node: WorldNode): void {
     const look = this.look(node);
     if (!look) return;
-    const mesh = new Mesh(look.geometry, look.materials.length === 1 ? (look.materials[0] as Material) : look.materials);
+    const { follows } = node.description;
+    if (follows && !this.flexes.has(node)) this.flexes.set(node, new Flex(node, look.geometry, follows.map((index) => this.nodes[index] as WorldNode)));
+    const mesh = new Mesh(this.flexes.get(node)?.geometry ?? look.geometry, look.materials.length === 1 ? (look.materials[0] as Material) : look.materials);
     mesh.matrixAutoUpdate = false;
     mesh.matrix.copy(node.stretch);
     mesh.castShadow = mesh.receiveShadow = true;

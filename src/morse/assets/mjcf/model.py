@@ -15,6 +15,8 @@ import mujoco
 import numpy as np
 
 from morse.assets.errors import AssetError
+from morse.assets.mjcf.flexes import MOST_VERTICES
+from morse.assets.triangle_limit import check_parts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,6 +44,7 @@ class BodyData:
     Attributes:
         parent: index; the world is 0.
         inertial: mass (kg), centre (3), quaternion of the principal axes (4), moments (3).
+        is_soft: whether it is a vertex or a node of a deformable body, which the engine has made.
     """
 
     name: str
@@ -52,6 +55,7 @@ class BodyData:
     joints: list[int] = field(default_factory=list)
     geoms: list[int] = field(default_factory=list)
     is_mocap: bool = False
+    is_soft: bool = False
 
 
 @dataclass(slots=True)
@@ -130,6 +134,31 @@ class GeomData:
 
 
 @dataclass(slots=True)
+class FlexData:
+    """A deformable body at the start of the file.
+
+    Attributes:
+        body: the body that carries it; the world is 0.
+        points: (P, 3) positions of its vertices in the world of the file, m.
+        triangles: (T, 3) what is shown of it by the numbers of the points, counterclockwise from outside; (T, 2) for a
+            rope, whose segments these are.
+        radius: half of its thickness, m.
+        uvs: (T, 3, 2) texture coordinates, v upward; None if it has none.
+        surface: its material, or None.
+    """
+
+    name: str
+    body: int
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    radius: float
+    uvs: NDArray[np.float32] | None
+    color: tuple[float, ...]
+    group: int
+    surface: SurfaceData | None
+
+
+@dataclass(slots=True)
 class MotorData:
     """An actuator at a joint.
 
@@ -184,6 +213,7 @@ class ModelData:
         step: time step, s.
         keyframes: name to the joint values of each joint (number of the joint to values).
         materials: name to the colour and the surface.
+        flexes: the deformable bodies.
     """
 
     file: MjcfFile
@@ -199,6 +229,7 @@ class ModelData:
     keyframes: dict[str, dict[int, tuple[float, ...]]]
     step: float = 0.002
     materials: dict[str, tuple[tuple[float, ...], SurfaceData]] = field(default_factory=dict)
+    flexes: list[FlexData] = field(default_factory=list)
 
 
 #: what the engine says of a body that moves and has no mass; mass and inertia that it accepts, kg and kg m^2
@@ -230,6 +261,7 @@ def compiled(source: Source) -> ModelData:
             r",? line (\d+)", lambda line: (place := source.place_of(int(line[1]))) and f", {place}", reason
         )
         raise AssetError(source.path, f"the engine refuses it: {reason:.300}") from None
+    check_parts(source.path, int(model.nflexvert), "vertices of deformable bodies", MOST_VERTICES)
     return _Reading(model, file).data()
 
 
@@ -273,6 +305,7 @@ class _Reading:
                 )
                 for index in range(m.nmat)
             },
+            self.flexes(bodies),
         )
 
     def body(self, index: int) -> BodyData:
@@ -343,6 +376,64 @@ class _Reading:
             surface,
             self.uvs(int(m.geom_dataid[index])) if mesh is not None and surface and surface.texture >= 0 else None,
         )
+
+    def flexes(self, bodies: list[BodyData]) -> list[FlexData]:
+        """Return the deformable bodies, and mark the bodies of which they consist."""
+        m, flexes = self.model, []
+        if not m.nflex:
+            return []
+        state = mujoco.MjData(m)
+        mujoco.mj_kinematics(m, state)
+        mujoco.mj_flex(m, state)
+        for index in range(m.nflex):
+            name = mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_FLEX, index)
+            first, count = int(m.flex_vertadr[index]), int(m.flex_vertnum[index])
+            nodes, number = int(m.flex_nodeadr[index]), int(m.flex_nodenum[index])
+            holders = {
+                *m.flex_vertbodyid[first : first + count].tolist(),
+                *m.flex_nodebodyid[nodes : nodes + number].tolist(),
+            } - {-1}
+            made = re.compile(re.escape(name) + r"_\d+")
+            soft = [body for body in holders if made.fullmatch(bodies[body].name) and not bodies[body].geoms]
+            for body in soft:
+                bodies[body].is_soft = True
+            carrier = bodies[min(soft)].parent if soft else min(holders, default=0)
+            faces, corners = self.faces(index)
+            material = int(m.flex_matid[index])
+            plain = np.allclose(m.flex_rgba[index], (0.5, 0.5, 0.5, 1.0))
+            surface = self.surface(material) if material >= 0 else None
+            uvs = None
+            if surface and surface.texture >= 0 and m.flex_texcoordadr[index] >= 0 and m.flex_dim[index] > 1:
+                points = np.array(m.flex_texcoord[int(m.flex_texcoordadr[index]) :], dtype=np.float32)
+                points[:, 1] = 1.0 - points[:, 1]
+                uvs = points[corners]
+            flexes.append(
+                FlexData(
+                    name,
+                    carrier,
+                    np.array(state.flexvert_xpos[first : first + count]),
+                    faces,
+                    float(m.flex_radius[index]),
+                    uvs,
+                    _row(np.clip(m.mat_rgba[material] if surface and plain else m.flex_rgba[index], 0.0, 1.0)),
+                    int(m.flex_group[index]),
+                    surface,
+                )
+            )
+        return flexes
+
+    def faces(self, index: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Return the triangles that are shown of a deformable body, by vertices and by texture coordinates."""
+        m, dimension = self.model, int(self.model.flex_dim[index])
+        first, count = int(m.flex_elemdataadr[index]), int(m.flex_elemnum[index])
+        elements = np.array(m.flex_elem[first : first + count * (dimension + 1)], dtype=np.int32)
+        elements = elements.reshape(count, dimension + 1)
+        if dimension < 3:
+            corners = np.array(m.flex_elemtexcoord[first : first + elements.size], dtype=np.int32)
+            return elements, corners.reshape(elements.shape)
+        start, number = int(m.flex_shelldataadr[index]), int(m.flex_shellnum[index])
+        shell = np.array(m.flex_shell[start : start + 3 * number], dtype=np.int32).reshape(-1, 3)
+        return shell, shell
 
     def surface(self, index: int) -> SurfaceData:
         m = self.model

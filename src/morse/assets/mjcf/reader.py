@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from morse.assets.errors import AssetError
 from morse.assets.mjcf.joints import Bones, pose
-from morse.assets.mjcf.shapes import add_skins, hide_collision_shapes, shape_node
+from morse.assets.mjcf.shapes import add_skins, flex_node, hide_collision_shapes, shape_node
 from morse.assets.mjcf.source import Source
 from morse.assets.mjcf.textures import TextureImages
 from morse.assets.robot_nodes import attach_links, robot_node
@@ -125,11 +125,15 @@ class Group:
         tops: those below the world.
         bodies: all, parents first.
         base: the body with the free joint, or None for bodies that are fixed to the world.
+        flexes: numbers of the deformable bodies that they carry.
+        soft: the bodies of which these consist.
     """
 
     tops: tuple[int, ...]
     bodies: tuple[int, ...]
     base: int | None
+    flexes: tuple[int, ...] = ()
+    soft: tuple[int, ...] = ()
 
 
 def groups_of(model: ModelData, path: Path) -> list[Group]:
@@ -146,18 +150,28 @@ def groups_of(model: ModelData, path: Path) -> list[Group]:
         raise AssetError(path, f"it has {len(bodies)} bodies, more than {MOST_BODIES}")
     top_of, depth = {0: 0}, {0: 0}
     members: dict[int, list[int]] = {}
+    soft: dict[int, list[int]] = {}
     for index in range(1, len(bodies)):
         parent = bodies[index].parent
         top_of[index] = top = index if parent == 0 else top_of[parent]
         depth[index] = depth[parent] + 1
         if depth[index] > _DEEPEST:
             raise AssetError(path, f"the tree of bodies is deeper than {_DEEPEST}")
-        members.setdefault(top, []).append(index)
+        (soft if bodies[index].is_soft else members).setdefault(top, []).append(index)
     free = [top for top in members if any(joints[joint].kind == "free" for joint in bodies[top].joints)]
     anchors = [top for top in members if top not in free]
-    groups = [Group((top,), tuple(members[top]), top) for top in free]
-    if anchors:
-        groups.append(Group(tuple(anchors), tuple(index for top in anchors for index in members[top]), None))
+    carried: dict[int, list[int]] = {}
+    for number, flex in enumerate(model.flexes):
+        carried.setdefault(top_of[flex.body], []).append(number)
+    groups = [
+        Group((top,), tuple(members[top]), top, tuple(carried.get(top, ())), tuple(soft.get(top, ()))) for top in free
+    ]
+    on_world = [top for top in soft if top not in members]
+    flexes = tuple(number for top, numbers in carried.items() if top not in free for number in numbers)
+    if anchors or flexes:
+        fixed = tuple(index for top in anchors for index in members[top])
+        loose = tuple(index for top in (*anchors, *on_world) for index in soft.get(top, ()))
+        groups.append(Group((*anchors, *on_world), fixed, None, flexes, loose))
 
     def count(group: Group) -> int:
         return sum(joints[joint].kind != "free" for body in group.bodies for joint in bodies[body].joints)
@@ -239,11 +253,11 @@ class _Reader:
         check_sizes(self.model, self.source.path)
         hide_collision_shapes(self.model)
         self.warnings += add_skins(self.model, self.source.skins)
-        if len(self.model.bodies) == 1 and len(self.model.geoms) == 1:
+        if self._is_bare() and len(self.model.geoms) == 1:
             # the floor of a world that has nothing else
             return self._terrain()
         self._ground = self._floor()
-        if len(self.model.bodies) == 1:
+        if self._is_bare():
             return self._terrain()
         name = self.source.name
         self._names = {name: 0, f"{name}_joints": 0}
@@ -266,6 +280,10 @@ class _Reader:
             keyframes=self._keyframes(robot),
             warnings=[*self.warnings, *self._images.pictures.warnings, *remarks],
         )
+
+    def _is_bare(self) -> bool:
+        """Whether there is nothing but the shapes of the world."""
+        return len(self.model.bodies) == 1 and not self.model.flexes
 
     def _terrain(self) -> Library:
         """A file without bodies: the shapes of its world."""
@@ -292,7 +310,7 @@ class _Reader:
         model, base = self.model, group.base
         bones = Bones(model, list(group.bodies), base)
         self.warnings += bones.warnings
-        mass = sum(model.bodies[index].inertial[0] for index in group.bodies)
+        mass = sum(model.bodies[index].inertial[0] for index in (*group.bodies, *group.soft))
         body = BodySettings(
             type=PhysicsType.STATIC if base is None else PhysicsType.RIGID_BODY,
             compound=True,
@@ -312,9 +330,19 @@ class _Reader:
         else:
             here = pose(model.bodies[base].position, model.bodies[base].quaternion)
             root.location, root.rotation_euler = list(here.translation), list(here.to_euler())
+        place = Matrix.Identity(4) if base is None else here
+        flexes = {}
+        for number in group.flexes:
+            node = flex_node(model.flexes[number], self._name(model.flexes[number].name), place, self._images)
+            for child in node.children:
+                child.name = self._name(child.name)
+            for member in node.walk():
+                member.source_name = member.name
+            root.attach(node)
+            flexes[node.name] = model.flexes[number].name
         both = {*group.bodies, 0}
         apart = tuple((links[a], links[b]) for a, b in model.apart if {a, b} <= both - {0})
-        part = self._part(group.tops, group.bodies, root, links, bones)
+        part = replace(self._part(group.tops, group.bodies, root, links, bones), flexes=flexes)
         armature.articulation = Articulation(mass=mass, self_collision=True, apart=apart)
         root.articulation = Articulation(mass=mass, model=part)
         return root, links

@@ -11,7 +11,7 @@ from morse.assets.mjcf.heights import height_mesh
 from morse.assets.mjcf.model import GeomData
 from morse.assets.mjcf.skins import pieces_of
 from morse.assets.polygons import with_texture_coordinates
-from morse.mathutils import Quaternion
+from morse.mathutils import Quaternion, Vector
 from morse.mathutils.portable import linear_color
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 from morse.scene.mjcf import DEFAULT_CONTACT
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.assets.mjcf.model import ModelData, SurfaceData
+    from morse.assets.mjcf.model import FlexData, ModelData, SurfaceData
     from morse.assets.mjcf.skins import Skin
     from morse.assets.mjcf.textures import TextureImages
+    from morse.mathutils import Matrix
 
 #: the viewers of MuJoCo hide shapes of this group and of higher groups
 _HIDDEN = 3
@@ -107,6 +108,59 @@ def _plain_node(geom: GeomData, name: str) -> Node:
         axes = Quaternion(geom.quaternion).to_matrix()
         node.location = [place - scale[2] * row[2] for place, row in zip(geom.position, axes, strict=True)]
     return node
+
+
+#: corners of the cross-section of a rope, in radii, and the three squares of which it consists
+_OCTAHEDRON = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], np.float64)
+_SQUARES = ((0, 2, 1, 3), (2, 4, 3, 5), (4, 0, 5, 1))
+
+
+def flex_node(flex: FlexData, name: str, place: Matrix, images: TextureImages) -> Node:
+    """Return the node of a deformable body, whose children are its vertices.
+
+    Args:
+        place: 4x4, the frame of its parent in the world of the file.
+    """
+    triangles, points = flex.triangles, flex.points
+    follows = np.arange(len(points), dtype=np.int32)
+    offsets = np.zeros((1, 3))
+    if triangles.shape[1] == 2:
+        # three bands along a rope, so that it is seen from all sides
+        offsets = flex.radius * _OCTAHEDRON
+        follows = np.repeat(follows, 6)
+        ends = 6 * triangles
+        quads = [
+            np.stack([ends[:, 0] + one, ends[:, 0] + other, ends[:, 1] + other, ends[:, 1] + one], axis=1)
+            for square in _SQUARES
+            for one, other in zip(square, (*square[1:], square[0]), strict=True)
+        ]
+        corners = np.concatenate(quads)
+        triangles = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]]).astype(np.int32)
+    centre = points.mean(axis=0)
+    inverse = place.inverted()
+    vertices = (points[:, None] - centre + offsets).reshape(-1, 3).astype(np.float32)
+    geom = _piece(name, flex.color, flex.group, (vertices, triangles), flex.surface, flex.uvs)
+    node = shape_node(geom, name, images)
+    node.location = list(inverse @ Vector(centre.tolist()))
+    # it has the axes of the world
+    node.rotation_euler = list(inverse.to_3x3().to_euler())
+    assert node.mesh is not None
+    node.mesh.follows, node.mesh.normals = follows, _smooth(vertices, triangles)
+    for number, point in enumerate(points - centre):
+        node.attach(Node(f"{name}_{number}", location=point.tolist()))
+    return node
+
+
+def _smooth(vertices: NDArray[np.float32], triangles: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Return the normals (T, 3, 3) of the corners of triangles: the means around the vertices."""
+    corners = vertices[triangles].astype(np.float64)
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.zeros((len(vertices), 3))
+    for corner in range(3):
+        np.add.at(normals, triangles[:, corner], faces)
+    normals /= np.maximum(np.sqrt((normals**2).sum(axis=1, keepdims=True)), 1e-30)
+    smooth: NDArray[np.float32] = normals[triangles].astype(np.float32)
+    return smooth
 
 
 def plane_box(size: tuple[float, ...]) -> tuple[float, float, float]:

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
+from morse.assets.meshfiles.reader import MeshError
+from morse.assets.mjcf.flexes import FILES, MOST_VERTICES, put_in, vertices_of
 from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
 from morse.assets.mjcf.old_files import modernize
 from morse.assets.mjcf.skins import MOST_NUMBERS, read_skin
@@ -26,7 +28,7 @@ from morse.scene.mjcf import MARKER, AttachedModel, MjcfFile
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from morse.assets.mjcf.skins import Skin
     from morse.assets.mjcf.textures import Texture
@@ -39,7 +41,7 @@ _ORIGIN = "included-from"
 #: top-level elements that do not describe the robot
 _LEFT_OUT = ("visual", "statistic", "custom", "size")
 #: elements that are not supported
-_UNSUPPORTED = ("composite", "deformable", "extension", "flex", "flexcomp", "plugin", "skin")
+_UNSUPPORTED = ("composite", "extension", "plugin", "skin")
 #: maximum number of models that attach each other
 _MOST_MODELS = 50
 #: attributes that request memory or name files
@@ -217,7 +219,13 @@ class Source:
             unsupported.append("geom of type sdf")
         if any(element.get("camera") for element in root.iter("rangefinder")):
             unsupported.append("rangefinder of a camera")
-        if {"composite", "flexcomp"} & set(unsupported) and (keys := root.findall("keyframe")):
+        for compiler in root.iter("compiler"):
+            folder = compiler.get("assetdir") or ""
+            self._folder = compiler.get("meshdir") or folder or self._folder
+            self._texture_folder = compiler.get("texturedir") or folder or self._texture_folder
+        lost_flexes = self._take_flexes(root)
+        lost_joints = "composite" in unsupported or bool(lost_flexes)
+        if lost_joints and (keys := root.findall("keyframe")):
             # they have values for the joints of what is left out
             unsupported.append("keyframe")
             for key in keys:
@@ -227,15 +235,11 @@ class Source:
         made = [mesh for mesh in root.iter("mesh") if mesh.find("plugin") is not None and not mesh.get("file")]
         for parent in list(root.iter()):
             for child in list(parent):
-                if _is_left_out(child) or child in made:
+                if _is_left_out(child) or child in made or child in lost_flexes:
                     parent.remove(child)
         _remove_shapes(root, "mesh", {_asset_name(mesh) for mesh in made})
-        if {"composite", "flexcomp"} & set(unsupported):
-            _remove_links(root)
-        for compiler in root.iter("compiler"):
-            folder = compiler.get("assetdir") or ""
-            self._folder = compiler.get("meshdir") or folder or self._folder
-            self._texture_folder = compiler.get("texturedir") or folder or self._texture_folder
+        if lost_joints:
+            _remove_links(root, {element.get("name") for element in lost_flexes})
         self._take_skins(skins)
         self.warnings += take_textures(root, self.textures, self._picture, _ORIGIN)
         for element in root.iter():
@@ -293,6 +297,26 @@ class Source:
             except (ValueError, FileRefusedError, OSError) as error:
                 name = element.get("name") or file or ""
                 self.warnings.append(f"the skin '{name:.200}' is left out: {error}")
+
+    def _take_flexes(self, root: ElementTree.Element) -> list[ElementTree.Element]:
+        """Read the files of deformable bodies, and return those that cannot be read or are too large."""
+        lost, vertices = [], 0
+        for element, copies in _flexes(root, 1):
+            file = element.attrib.pop("file", None)
+            name = element.get("name") or file or ""
+            try:
+                if element.tag == "flexcomp" and element.get("type", "grid") in FILES:
+                    if file is None:
+                        raise ValueError("it names no file")
+                    put_in(element, self._file(file, element.get(_ORIGIN)))
+                own = copies * vertices_of(element)
+                if vertices + own > MOST_VERTICES:
+                    raise ValueError(f"all deformable bodies together have more than {MOST_VERTICES} vertices")
+                vertices += own
+            except (ValueError, FileRefusedError, AssetError, MeshError, OSError) as error:
+                self.warnings.append(f"the deformable body '{name:.200}' is left out: {error}")
+                lost.append(element)
+        return lost
 
     def _take_heights(self, root: ElementTree.Element) -> None:
         removed_heights: set[str] = set()
@@ -371,8 +395,6 @@ def _lines_of(root: ElementTree.Element) -> list[tuple[str, int]]:
 
 def _is_lost(element: ElementTree.Element) -> bool:
     """Whether nothing is shown of an element that the engine does not get."""
-    if element.tag == "deformable":
-        return any(child.tag not in ("skin", "flex") for child in element)
     return element.tag in _UNSUPPORTED and element.tag != "skin"
 
 
@@ -389,10 +411,22 @@ def _is_left_out(child: ElementTree.Element) -> bool:
 def _count(element: ElementTree.Element, copies: int, counts: Counter[str]) -> None:
     """Add the numbers of elements of each kind, with the copies that ``replicate`` makes of them."""
     counts[element.tag] += copies
-    if element.tag == "replicate":
-        copies *= int(max([1.0, *_numbers(element.get("count", "1"))]))
     for child in element:
-        _count(child, copies, counts)
+        _count(child, copies * _copies(element), counts)
+
+
+def _copies(element: ElementTree.Element) -> int:
+    """The number of copies that an element makes of those below it."""
+    return int(max([1.0, *_numbers(element.get("count", "1"))])) if element.tag == "replicate" else 1
+
+
+def _flexes(element: ElementTree.Element, copies: int) -> Iterator[tuple[ElementTree.Element, int]]:
+    """The deformable bodies below an element, and the number of copies of each."""
+    for child in element:
+        if child.tag in ("flexcomp", "flex") and element.tag != "equality":
+            yield child, copies
+        else:
+            yield from _flexes(child, copies * _copies(child))
 
 
 def _numbers(text: str) -> Iterator[float]:
@@ -411,12 +445,12 @@ def _asset_name(asset: ElementTree.Element) -> str:
     return asset.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
 
 
-def _remove_links(root: ElementTree.Element) -> None:
-    """Remove the constraints and exclusions that name bodies which are left out."""
+def _remove_links(root: ElementTree.Element, flexes: Collection[str | None]) -> None:
+    """Remove the constraints and exclusions that name bodies which are left out, or deformable ones of these names."""
     names = {body.get("name") for body in root.iter("body")} | {"world", None, ""}
     for parent in [*root.iter("equality"), *root.iter("contact")]:
         for child in list(parent):
-            if not {child.get("body1"), child.get("body2")} <= names:
+            if not {child.get("body1"), child.get("body2")} <= names or child.get("flex", "") in flexes:
                 parent.remove(child)
 
 

@@ -18,7 +18,15 @@ from morse.physics.driving.supports import round_wheels, supports, wheel_joints
 from morse.physics.gliding.feet import PlaneBuilder, Stance, stance, trimmed
 from morse.physics.model.articulated import Articulated, is_single_link
 from morse.physics.model.couplings import CouplingBuilder, add_links
-from morse.physics.model.files import Files, are_all_from_files, level, models_of, set_ground, set_options
+from morse.physics.model.files import (
+    Files,
+    are_all_from_files,
+    let_flexes_bend,
+    level,
+    models_of,
+    set_ground,
+    set_options,
+)
 from morse.physics.model.layout import Frame, Motion, Slot, frames_of
 from morse.physics.model.shapes import (
     replace_unusable_hulls,
@@ -63,6 +71,8 @@ _PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
 #: above the first number of moving bodies, the memory estimate of the engine assumes contacts between all pairs of
 #: bodies; the second number, bytes for each body, is used instead. Unused memory is not allocated
 _MANY, _BODY_MEMORY = 1000, 1 << 20
+#: the same for each vertex of a deformable body, whose contacts the estimate of the engine ignores
+_VERTEX_MEMORY = 1 << 18
 
 _ORIGIN = RigidFrame(Vector((0.0, 0.0, 0.0)), Matrix.Identity(3), Matrix.Identity(3))
 _TYPES = {
@@ -87,6 +97,7 @@ class Compiled:
         planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floors`.
         restitution: (ngeom,) of each geom, from 0 to 1, or -1.
         wheels: geoms that roll on the ground, of joints of robots from files.
+        flexes: the deformable bodies: number in the engine, slot, and those of its vertices.
         physics_of_1_4: see `morse.physics.driving.command`.
     """
 
@@ -100,6 +111,7 @@ class Compiled:
     planes: dict[int, int]
     restitution: NDArray[np.float64]
     wheels: list[int]
+    flexes: list[tuple[int, int, list[int]]]
     physics_of_1_4: bool = False
 
     def copy(self) -> Compiled:
@@ -142,15 +154,17 @@ def _compile(scene: Scene) -> Compiled:
     slots = [builder.add(frame) for frame in frames]
     if as_in_files:
         set_options(spec, builder.files.parts[0])
+    let_flexes_bend(spec)
     builder.articulated.finish(spec.option.timestep)
     builder.couple(slots)
     add_links(spec, builder.files.parts)
     builder.planes.finish()
+    builder.stand_for_flexes(slots)
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
     model = spec.compile()
-    needed = _PAIR_MEMORY * model.nbody**2 + _SPARE_MEMORY
+    needed = _PAIR_MEMORY * model.nbody**2 + _SPARE_MEMORY + _VERTEX_MEMORY * model.nflexvert
     if model.narena < needed:
         spec.memory = needed
         model = spec.compile()
@@ -174,7 +188,18 @@ def _compile(scene: Scene) -> Compiled:
         for geom in geoms
     ]
     return Compiled(
-        model, data, slots, steps, geom_node, motors, links, planes, restitution, wheels, settings.physics_of_1_4
+        model,
+        data,
+        slots,
+        steps,
+        geom_node,
+        motors,
+        links,
+        planes,
+        restitution,
+        wheels,
+        builder.flexes(model, slots),
+        settings.physics_of_1_4,
     )
 
 
@@ -485,6 +510,28 @@ class _Builder:
         """Add constraints, after all bodies and joints."""
         CouplingBuilder(self._spec, slots, self._bodies)
 
+    def stand_for_flexes(self, slots: list[Slot]) -> None:
+        """See `Files.stand_for_flexes`."""
+        added = self.files.stand_for_flexes()
+        if added is not None:
+            geom, node = added
+            self._geoms.append((geom, node, next(slot for slot in slots if slot.frame.node is node)))
+
+    def flexes(self, model: mujoco.MjModel, slots: list[Slot]) -> list[tuple[int, int, list[int]]]:
+        """Return the deformable bodies; see `Compiled`."""
+        index = {slot.frame.node: number for number, slot in enumerate(slots)}
+        found = []
+        for node, name in self.files.flexes():
+            number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_FLEX, name)
+            slot = slots[index[node]]
+            bodies = [body for body in range(model.nbody) if _is_of_flex(model, body, name)]
+            if bodies:
+                first = int(model.body_dofadr[bodies[0]])
+                slot.qpos = int(model.jnt_qposadr[model.body_jntadr[bodies[0]]])
+                slot.dof, slot.soft = first, int(model.body_dofnum[bodies].sum())
+            found.append((number, index[node], [index[child] for child in node.children]))
+        return found
+
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Store the ids that the compiler has assigned."""
         self.articulated.resolve(model)
@@ -519,6 +566,12 @@ class _Builder:
 def is_part_of_the_world(frame: Frame) -> bool:
     """Whether the shapes of a frame belong to the world in the engine: it is static, and nothing moves within it."""
     return frame.motion is Motion.FIXED and not any(node.bones for node in frame.members)
+
+
+def _is_of_flex(model: mujoco.MjModel, body: int, flex: str) -> bool:
+    """Whether the engine has made a body that moves for a vertex or a node of a deformable body."""
+    name = model.body(body).name
+    return name.startswith(f"{flex}_") and name[len(flex) + 1 :].isdigit() and bool(model.body_dofnum[body])
 
 
 def _is_free_robot(frame: Frame) -> bool:

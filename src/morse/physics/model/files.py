@@ -57,7 +57,7 @@ def model_of(frame: Frame) -> MjcfModel | None:
     settings = node.articulation
     if frame.parent is not None or settings is None or settings.model is None or pose is Motion.FIXED:
         return None
-    if not settings.model.links or any(abs(value - 1.0) > 1e-9 for value in _scales(node)):
+    if not (settings.model.links or settings.model.flexes) or any(abs(value - 1.0) > 1e-9 for value in _scales(node)):
         return None
     armatures = [member for member in frame.members if member.bones]
     return settings.model if all(is_dynamic(armature) for armature in armatures) else None
@@ -177,6 +177,7 @@ def _share(one: float, other: float) -> float:
 
 
 _FREE = mujoco.mjtJoint.mjJNT_FREE
+_OF_FLEXES = tuple(getattr(mujoco.mjtEq, name) for name in dir(mujoco.mjtEq) if name.startswith("mjEQ_FLEX"))
 _CONTACT = ("friction", "solref", "solimp", "solmix", "margin", "gap", "condim", "priority")
 
 
@@ -231,7 +232,7 @@ class Files:
         spec = model.file.spec()
         armature = next((node for node in frame.members if node.bones), frame.node)
         part = self._parts[frame] = Part(frame, model, f"{armature.name}/", copy_of(spec.option))
-        file_bits(spec.geoms)
+        file_bits([*spec.geoms, *spec.flexes])
         _reduce(spec, model)
         names = [body.name for body in spec.bodies if body.name != "world"]
         shapes = [geom.name for geom in spec.geoms]
@@ -248,6 +249,8 @@ class Files:
             for body in spec.worldbody.bodies:
                 body.mocap = False
             root = add_body(frame, slot)
+            # the engine hangs nothing elastic on bodies with given poses
+            root.mocap = root.mocap and not model.flexes
             outer = root.add_frame()
         for name in dir(spec.option):
             if not name.startswith("_"):
@@ -314,6 +317,30 @@ class Files:
             for attribute in _CONTACT:
                 setattr(geom, attribute, getattr(original, attribute))
 
+    # -- deformable bodies -----------------------------------------------------------------
+
+    def flexes(self) -> Iterator[tuple[Node, str]]:
+        """Yield the nodes of the deformable bodies, and the names of these in the engine."""
+        for part in self.parts:
+            for node in part.root.node.children:
+                name = part.model.flexes.get(node.source_name or node.name)
+                if name is not None:
+                    yield node, part.prefix + name
+
+    def stand_for_flexes(self) -> tuple[mujoco.MjsGeom, Node] | None:
+        """Add the last shape of the model, which touches nothing, if there are deformable bodies.
+
+        The contacts of the engine have the number -1 for a deformable body, which is the last one of any array. So
+        what reads contacts finds a shape of a deformable body.
+        """
+        node = next((node for node, _ in self.flexes()), None)
+        if node is None:
+            return None
+        body = self._spec.worldbody.add_body(name=f"{node.name} (contacts)")
+        return body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[1e-3, 0.0, 0.0], contype=0, conaffinity=0, mass=0.0
+        ), node
+
     # -- after the compilation -------------------------------------------------------------
 
     def resolve(self, model: mujoco.MjModel, data: mujoco.MjData, geom_node: list[Node]) -> None:
@@ -364,6 +391,11 @@ def _move_to_origin(spec: mujoco.MjSpec, base: mujoco.MjsBody) -> None:
 def _reduce(spec: mujoco.MjSpec, model: MjcfModel) -> None:
     """Remove what does not belong to a part of a file, or what the scene has in another form."""
     needed = {name for pair in spec.pairs for name in (pair.geomname1, pair.geomname2)}
+    lost = {flex.name for flex in spec.flexes} - set(model.flexes.values())
+    for constraint in [one for one in spec.equalities if one.type in _OF_FLEXES and one.name1 in lost]:
+        spec.delete(constraint)
+    for flex in [flex for flex in spec.flexes if flex.name in lost]:
+        spec.delete(flex)
     for body in list(spec.worldbody.bodies):
         if body.name not in model.tops:
             spec.delete(body)
@@ -447,6 +479,22 @@ def set_options(spec: mujoco.MjSpec, part: Part) -> None:
         option.gravity = part.option["gravity"]
     if option.integrator == mujoco.mjtIntegrator.mjINT_RK4:
         option.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+
+
+#: integrators with which the engine refuses elastic bodies
+_NOT_ELASTIC = (mujoco.mjtIntegrator.mjINT_IMPLICIT, mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
+
+
+def let_flexes_bend(spec: mujoco.MjSpec) -> None:
+    """Choose an integrator for elastic bodies if that of the scene does not integrate them.
+
+    The motors of robots need an implicit one, which knows elastic bodies but no springs and dampers of their edges.
+    """
+    elastic = [flex for flex in spec.flexes if flex.young > 0.0]
+    if elastic and spec.option.integrator in _NOT_ELASTIC:
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
+        for flex in spec.flexes:
+            flex.edgestiffness = flex.edgedamping = 0.0
 
 
 def level(geom: mujoco.MjsGeom, height: float = 0.0) -> None:

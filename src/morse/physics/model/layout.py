@@ -97,7 +97,11 @@ def frames_of(scene: Scene) -> list[Frame]:
     measured = _measured_bones(scene)
 
     def visit(node: Node, frame: Frame | None) -> None:
-        if node.name in wheels and frame is not None and frame.motion is Motion.FREE:
+        if node.flex is not None or (node.parent is not None and node.parent.flex is not None):
+            # a deformable body and its vertices
+            frame = Frame(node, Motion.VIRTUAL)
+            frames.append(frame)
+        elif node.name in wheels and frame is not None and frame.motion is Motion.FREE:
             frame = Frame(node, Motion.HINGE, parent=frame)
             frames.append(frame)
         elif (
@@ -219,9 +223,9 @@ def _is_free_in_file(node: Node) -> bool:
 
 
 def _is_joined_in_file(node: Node) -> bool:
-    """Whether a constraint joins a fixed part of a file with another part."""
+    """Whether a constraint joins a fixed part of a file with another part, or deformable bodies hang on it."""
     model = node.articulation.model if node.articulation is not None else None
-    return model is not None and model.is_joined and not model.base
+    return model is not None and not model.base and (model.is_joined or bool(model.flexes))
 
 
 def _collides_somewhere(node: Node) -> bool:
@@ -241,6 +245,7 @@ class Slot:
         geoms: geom ids by node, one for each shape of the node.
         feet: geom ids of the spheres on which a driven robot stands.
         joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first one.
+        soft: number of positions, and of velocities, of a deformable body.
     """
 
     frame: Frame
@@ -253,6 +258,7 @@ class Slot:
     geoms: dict[Node, list[int]] = field(default_factory=dict)
     feet: list[int] = field(default_factory=list)
     joints: list[JointSlot] = field(default_factory=list)
+    soft: int = 0
 
     @property
     def numbers(self) -> tuple[int, int]:
@@ -261,4 +267,6 @@ class Slot:
             return 0, 0
         if self.frame.motion is Motion.FREE:
             return 7, 6
+        if self.soft:
+            return self.soft, self.soft
         return sum(joint.width for joint in self.joints) or 1, sum(joint.dofs for joint in self.joints) or 1

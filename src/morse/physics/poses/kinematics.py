@@ -139,6 +139,36 @@ class Rows:
         self._rows[index] = values
 
 
+_UNTURNED = (1.0, 0.0, 0.0, 0.0)
+
+
+class Flexes:
+    """Reads the vertices of deformable bodies, which are slots, and place the bodies at their means.
+
+    Args:
+        flexes: see `morse.physics.model.compile.Compiled`.
+    """
+
+    def __init__(self, model: mujoco.MjModel, flexes: Sequence[tuple[int, int, Sequence[int]]]) -> None:
+        self._slots = np.array([slot for _, slot, _ in flexes], dtype=np.intp)
+        self._vertices = np.array([vertex for _, _, vertices in flexes for vertex in vertices], dtype=np.intp)
+        firsts = [int(model.flex_vertadr[number]) for number, _, _ in flexes]
+        counts = [len(vertices) for _, _, vertices in flexes]
+        self._rows = np.concatenate([np.arange(a, a + n) for a, n in zip(firsts, counts, strict=True)])
+        self._begins = np.cumsum([0, *counts[:-1]])
+        self._counts = np.array(counts, dtype=np.float64)[:, None]
+
+    def read(self, state: EngineState) -> None:
+        """Take over the positions of the vertices, after the kinematics of the engine."""
+        mujoco.mj_flex(state.model, state.data)
+        points = state.data.flexvert_xpos.take(self._rows, 0)
+        state.positions.put(self._vertices, points)
+        state.positions.put(self._slots, np.add.reduceat(points, self._begins, axis=0) / self._counts)
+        state.rotations.put(self._slots, np.tile(np.eye(3).ravel(), (len(self._slots), 1)))
+        for slot in self._slots.tolist():
+            state.quaternions[slot] = _UNTURNED
+
+
 #: value of `contact.exclude` of the engine for contacts within a gap
 IN_GAP = 1
 
@@ -174,6 +204,8 @@ def refresh(state: EngineState, *, gliders: bool = True) -> None:
     state.rotations.take(state.engine_rotations, state.engine_rows)
     if gliders and state.write_gliders is not None:
         state.write_gliders(state.positions, state.rotations)
+    if state.flexes is not None:
+        state.flexes.read(state)
     state.touched.clear()
     state.stamp += 1
 
@@ -204,7 +236,11 @@ def contact_pairs(state: EngineState) -> NDArray[np.int32]:
     if state.known_contacts is not None:
         return state.known_contacts
     contact = state.data.contact
+    geoms = np.asarray(contact.geom)
+    if state.flexes is not None:
+        # the shape that stands for them is the last one
+        geoms = np.where(geoms < 0, state.model.ngeom - 1, geoms).astype(np.int32)
     if not state.has_gaps:
-        return np.asarray(contact.geom)
-    state.known_contacts = np.asarray(contact.geom)[np.asarray(contact.exclude) != IN_GAP]
+        return geoms
+    state.known_contacts = geoms[np.asarray(contact.exclude) != IN_GAP]
     return state.known_contacts

@@ -10,7 +10,7 @@ import numpy as np
 from morse.mathutils.portable import norm
 from morse.physics.engine_functions import Sleep
 from morse.physics.model.layout import Motion
-from morse.physics.poses.kinematics import Rows
+from morse.physics.poses.kinematics import Flexes, Rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -325,6 +325,7 @@ class EngineState:
         geom_node: node of each geom.
         link_bodies: the body of each link of MJCF files, in the engine.
         planes: the geoms of boxes to those of the planes at their tops.
+        flexes: the deformable bodies; None if there are none.
         physics_of_1_4: whether driven robots lose speed as in MORSE 1.4 (`morse.physics.driving.command`).
         steps: physics steps per tick.
         period: seconds per tick.
@@ -416,6 +417,7 @@ class EngineState:
         self.geom_node: list[Node] = compiled.geom_node
         self.link_bodies: dict[Node, int] = compiled.link_bodies
         self.planes: dict[int, int] = compiled.planes
+        self.flexes = Flexes(self.model, compiled.flexes) if compiled.flexes else None
         self.physics_of_1_4 = compiled.physics_of_1_4
         self.steps = compiled.steps
         self.period = period

@@ -26,7 +26,14 @@ if TYPE_CHECKING:
 
 _encoder = msgspec.msgpack.Encoder()
 #: arrays of a mesh and of a shape, by the type of their items
-MESH_ARRAYS = {"vertices": "<f4", "triangles": "<i4", "material_index": "<i4", "uvs": "<f4", "normals": "<f4"}
+MESH_ARRAYS = {
+    "vertices": "<f4",
+    "triangles": "<i4",
+    "material_index": "<i4",
+    "uvs": "<f4",
+    "normals": "<f4",
+    "follows": "<i4",
+}
 SHAPE_ARRAYS = {"vertices": "<f8", "heights": "<f8"}
 _ATOMS = (type(None), bool, int, float, str)
 #: packages whose classes every installation has

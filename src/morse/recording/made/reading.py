@@ -148,6 +148,10 @@ class Unpacking:
             for one in parts.nodes:
                 self._nodes.append(self._node(one))
             _check(len({node.name for node in self._nodes}) == len(self._nodes), "two nodes of one name")
+            for node in self._nodes:
+                follows, children = node.flex, len(node.children)
+                fits = follows is None or bool(((follows >= 0) & (follows < children)).all() and children)
+                _check(fits, f"a deformable body {node.name[:80]} without vertices")
             self.roots = [node for node in self._nodes if node.parent is None]
             components = [self._component(one) for one in parts.components]
             self.components = [component for component in components if component is not None]
@@ -176,14 +180,15 @@ class Unpacking:
         vertices, triangles, slots = arrays["vertices"], arrays["triangles"], arrays["material_index"]
         count = len(triangles)
         shapes = {"vertices": (len(vertices), 3), "triangles": (count, 3), "material_index": (count,)}
-        shapes |= {"uvs": (count, 3, 2), "normals": (count, 3, 3)}
+        shapes |= {"uvs": (count, 3, 2), "normals": (count, 3, 3), "follows": (len(vertices),)}
         for name, values in arrays.items():
             _check(values.shape == shapes[name], f"{name} of the shape {values.shape}, expected {shapes[name]}")
         if count:
             _check(triangles.min() >= 0 and triangles.max() < len(vertices), "triangles without vertices")
             _check(slots.min() >= 0 and slots.max() < _MOST_SLOTS, "triangles without a material")
         materials = tuple(self._slots(one.materials))
-        return Mesh(one.name, vertices, triangles, slots, arrays.get("uvs"), arrays.get("normals"), materials)
+        uvs, normals, follows = (arrays.get(name) for name in ("uvs", "normals", "follows"))
+        return Mesh(one.name, vertices, triangles, slots, uvs, normals, materials, follows)
 
     def _shape(self, one: form.ShapeForm) -> CollisionShape:
         _check_finite("a shape", *one.size, *one.position, *one.rotation)

@@ -1,0 +1,259 @@
+"""Deformable bodies of MJCF files: they move as in MuJoCo, are seen in pictures, restored and replayed."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import morse
+from morse.assets.errors import AssetError
+from morse.assets.mjcf import read_mjcf
+from morse.launch.playing import playing
+from morse.recording.recording import Recording
+from morse.rendering.renderer import photograph
+from tests.kit.waiting import wait_until
+
+CLOTH = """<flexcomp name="cloth" type="grid" count="7 7 1" spacing=".1 .1 .1" pos="0 0 1" radius=".01" mass="1"
+  dim="2" rgba="0 1 0 1"><edge equality="true" damping="0.01"/><contact selfcollide="none"/></flexcomp>"""
+JELLY = """<flexcomp name="jelly" type="grid" count="3 3 3" spacing=".1 .1 .1" pos="1.5 0 .6" radius=".005" mass="5"
+  dim="3" rgba="1 0 0 1"><elasticity young="1e4" poisson=".1" damping=".02"/><contact selfcollide="none"/></flexcomp>"""
+TRILINEAR = """<flexcomp name="block" type="grid" count="4 4 4" spacing=".05 .05 .05" pos="-1.5 0 .6" radius=".005"
+  mass="2" dim="3" dof="trilinear"><elasticity young="1e4" poisson=".1" damping=".01"/>
+  <contact selfcollide="none"/></flexcomp>"""
+ROPE = """<flexcomp name="rope" type="grid" count="12 1 1" spacing=".05 .05 .05" pos="0 1 1" radius=".02" mass="1"
+  dim="1" rgba="0 0 1 1"><pin id="0"/><edge equality="true" damping=".1"/></flexcomp>"""
+BALL = '<body name="ball" pos="0 0 .3"><geom name="ball" type="sphere" size=".2"/></body>'
+ALL = CLOTH + JELLY + TRILINEAR + ROPE
+STEP = 0.001
+
+
+def written(folder: Path, parts: str, step: float = STEP, more: str = "") -> Path:
+    path = folder / "soft.xml"
+    path.write_text(
+        f'<mujoco model="soft"><option timestep="{step}"/><worldbody><geom name="floor" type="plane" size="0 0 .1"/>'
+        f"{BALL}{parts}</worldbody>{more}</mujoco>"
+    )
+    return path
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Callable[..., Callable[[], None]]:
+    """A script with a robot of a file that has some deformable bodies."""
+
+    def make(parts: str = ALL, step: float = STEP) -> Callable[[], None]:
+        path = written(tmp_path, parts, step)
+
+        def script() -> None:
+            from morse.builder import Environment, Robot
+
+            Robot(str(path))
+            view = Environment("empty", fastmode=True)
+            view.set_camera_location([0.0, -4.0, 1.5])
+            view.set_camera_rotation([1.35, 0.0, 0.0])
+
+        return script
+
+    return make
+
+
+def vertices(world: Any, name: str) -> np.ndarray:
+    node = world.game_object(name).node
+    return np.array([world.object_of(child).world_pose()[0] for child in node.children])
+
+
+def alone(path: Path, seconds: float) -> dict[str, np.ndarray]:
+    """The vertices in MuJoCo alone."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, round(seconds / model.opt.timestep))
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_flex(model, data)
+    return {
+        mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_FLEX, number): data.flexvert_xpos[first : first + count].copy()
+        for number, (first, count) in enumerate(zip(model.flex_vertadr, model.flex_vertnum, strict=True))
+    }
+
+
+def test_they_move_as_in_mujoco(scene: Callable[..., Any], tmp_path: Path) -> None:
+    # 17 steps of a tick are 1/60 s: MuJoCo alone has the same step
+    with morse.load(scene()) as sim:
+        sim.step(30)
+        found = {name: vertices(sim.world, name) for name in ("cloth", "jelly", "block", "rope")}
+    expected = alone(written(tmp_path, ALL, 1.0 / 60 / 17), 0.5)
+    for name, points in found.items():
+        assert points.shape == expected[name].shape
+        assert np.abs(points - expected[name]).max() < 1e-6, name
+
+
+def test_a_cloth_lies_on_a_ball_and_touches_it(scene: Callable[..., Any]) -> None:
+    with morse.load(scene(CLOTH)) as sim:
+        sim.step(60)
+        points = vertices(sim.world, "cloth")
+        assert points[24] == pytest.approx([0.0, 0.0, 0.51], abs=0.02)  # its middle, above the ball of 0.2 m
+        assert points[[0, 6, 42, 48], 2].max() < 0.4  # its corners hang
+        pairs = {frozenset((a.name, b.name)) for a, b in sim.world.contacts()}
+        assert frozenset(("ball_shape", "cloth")) in pairs
+        assert sim.world.game_object("cloth").world_pose()[0] == pytest.approx(tuple(points.mean(axis=0)))
+
+
+def colored(image: np.ndarray, channel: int) -> np.ndarray:
+    """The rows of the pixels of one colour."""
+    others = [number for number in range(3) if number != channel]
+    return np.argwhere(image[..., channel] > 60 + image[..., others].max(axis=2).astype(int))[:, 0]
+
+
+def test_pictures_show_them_where_they_are(scene: Callable[..., Any]) -> None:
+    with morse.load(scene(CLOTH + JELLY + ROPE)) as sim:
+        before = photograph(sim.world, 320, 200)
+        sim.step(60)
+        after = photograph(sim.world, 320, 200)
+    for channel, fall in ((0, 10), (1, 20)):
+        assert len(colored(before, channel)) > 60
+        assert len(colored(after, channel)) > 60
+        assert colored(after, channel).mean() - colored(before, channel).mean() > fall
+    # a cloth that hangs over a ball is higher in the picture than one that is seen from its side
+    assert np.ptp(colored(after, 1)) > 1.5 * np.ptp(colored(before, 1))
+    assert len(colored(before, 2)) > 15
+
+
+def test_shadows_follow_their_shape(scene: Callable[..., Any]) -> None:
+    """A cloth that only changes its shape, while its mean stays, has another shadow."""
+    with morse.load(scene(CLOTH)) as sim:
+        world = sim.world
+        one = photograph(world, 200, 120)
+        data = world.data
+        slot = world.slots[world.slot_of[world.game_object("cloth").node]]
+        points = data.qpos[slot.qpos : slot.qpos + slot.soft].reshape(-1, 3)
+        points[:, 0] += 0.2 * np.where(np.arange(len(points)) % 2, 1.0, -1.0) * (np.arange(len(points)) != 48)
+        world.sync()
+        kept = world.game_object("cloth").world_pose()[0]
+        assert kept == pytest.approx((0.0, 0.0, 1.0), abs=1e-9)
+        other = photograph(world, 200, 120)
+        assert np.array_equal(other, photograph(world, 200, 120))
+    assert (one != other).any(axis=2).sum() > 50
+
+
+def test_states_are_restored(scene: Callable[..., Any]) -> None:
+    with morse.load(scene()) as sim:
+        sim.step(20)
+        state, before = sim.save(), vertices(sim.world, "cloth")
+        sim.step(20)
+        later = vertices(sim.world, "cloth")
+        sim.restore(state)
+        assert np.array_equal(vertices(sim.world, "cloth"), before)
+        sim.step(20)
+        assert np.array_equal(vertices(sim.world, "cloth"), later)
+
+
+def test_they_keep_their_shape_when_the_scene_changes(scene: Callable[..., Any]) -> None:
+    with morse.load(scene()) as sim:
+        sim.step(30)
+        before = vertices(sim.world, "cloth")
+        sim.spawn("table", "props/crates", (4.0, 0.0, 0.5))
+        assert np.abs(vertices(sim.world, "cloth") - before).max() < 1e-9
+
+
+def test_recordings_show_them(scene: Callable[..., Any], tmp_path: Path) -> None:
+    with morse.load(scene(CLOTH)) as sim, sim.record(tmp_path / "run.mcap"):
+        sim.step(40)
+        truth = vertices(sim.world, "cloth")
+    with Recording(tmp_path / "run.mcap") as recording, playing(recording, port=0, browser=False) as shown:
+        shown.announce()
+        wait_until(lambda: shown.turn() or shown._timeline.position == 40, "the end of the run")  # type: ignore[func-returns-value]
+        assert np.abs(vertices(shown._simulation.world, "cloth") - truth).max() < 1e-6
+        assert photograph(shown._simulation.world, 80, 50).any()
+
+
+def test_robots_drive_beside_elastic_bodies(tmp_path: Path) -> None:
+    path = written(tmp_path, JELLY)
+
+    def script() -> None:
+        from morse.builder import ATRV, Environment, MotionVW, PassiveObject
+
+        PassiveObject(str(path))
+        robot = ATRV("robot")
+        robot.translate(x=-4)
+        robot.append(MotionVW("motion"))
+        Environment("empty", fastmode=True)
+
+    with morse.load(script) as sim:
+        sim["robot"].motion.publish({"v": 1.0})
+        sim.step(60)
+        assert sim.world.game_object("robot").world_pose()[0][0] == pytest.approx(-3.0, abs=0.03)
+        assert vertices(sim.world, "jelly")[:, 2].min() == pytest.approx(0.005, abs=0.01)
+        assert sim.failures == ()
+
+
+def test_a_batch_has_the_shapes_of_single_simulations(scene: Callable[..., Any]) -> None:
+    with morse.load(scene(CLOTH)) as sim:
+        sim.step(20)
+        expected = vertices(sim.world, "cloth")
+    with morse.batch(scene(CLOTH), 2) as batch:
+        batch.step(20)
+        for row in range(2):
+            assert np.array_equal(vertices(batch[row].world, "cloth"), expected)
+
+
+def test_one_that_diverges_is_named(scene: Callable[..., Any]) -> None:
+    stiff = JELLY.replace("1e4", "1e8")
+    with morse.load(scene(stiff)) as sim, pytest.raises(Exception, match="jelly"):
+        sim.step(60)
+
+
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        (CLOTH.replace("7 7 1", "2000 2000 1"), "more than 10000 vertices"),
+        (CLOTH.replace("7 7 1", "1e300 1e300 1"), "realistic"),
+        (CLOTH.replace("7 7 1", "-5 7 1"), "the engine refuses it"),
+        (f'<replicate count="500">{CLOTH}</replicate>', "more than 10000 vertices"),
+        ('<flexcomp name="f" type="mesh" file="../../../etc/passwd" dim="2" mass="1"/>', "left out"),
+        ('<flexcomp name="f" type="gmsh" file="none.msh" dim="3" mass="1"/>', "left out"),
+        ('<flexcomp name="f" type="mesh" dim="2" mass="1"/>', "names no file"),
+        ('<flexcomp name="f" type="direct" dim="2" mass="1" point="0 0 0 1 0 0 0 1 0" element="0 1 7"/>', "refuses"),
+    ],
+)
+def test_damaged_ones_are_refused_or_left_out(tmp_path: Path, part: str, words: str) -> None:
+    path = written(tmp_path, part)
+    told = ""
+    with suppress(AssetError):
+        library = read_mjcf(path)
+        told = "; ".join(library.warnings)
+        assert not any(node.flex is not None for root in library.roots for node in root.walk())
+    if not told:
+        with pytest.raises(AssetError) as refused:
+            read_mjcf(path)
+        told = str(refused.value)
+    assert words in told
+
+
+def test_what_names_one_that_is_left_out_goes_with_it(tmp_path: Path) -> None:
+    lost = '<flexcomp name="f" type="gmsh" file="none.msh" dim="3" mass="1"/>'
+    more = '<equality><flex flex="f"/></equality><keyframe><key qpos="1 2 3"/></keyframe>'
+    library = read_mjcf(written(tmp_path, lost + CLOTH, more=more))
+    assert library.robot or library.roots
+
+
+def test_damaged_files_of_tetrahedra_never_end_the_process(tmp_path: Path) -> None:
+    good = (
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n$Nodes\n1 4 1 4\n"
+        "3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
+        "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n"
+    )
+    part = '<flexcomp name="f" type="gmsh" file="f.msh" dim="3" radius="0.01" mass="1"/>'
+    path = written(tmp_path, part)
+    (tmp_path / "f.msh").write_text(good)
+    shown = [node.flex for root in read_mjcf(path).roots for node in root.walk() if node.flex is not None]
+    assert [len(one) for one in shown] == [4]
+    words = good.split(" ")
+    for number in range(len(words)):
+        for value in ("-1", "999999999", "18446744073709551615", "nan"):
+            damaged = list(words)
+            damaged[number] = value
+            (tmp_path / "f.msh").write_text(" ".join(damaged))
+            with suppress(AssetError):
+                read_mjcf(path)
