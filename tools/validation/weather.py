@@ -9,6 +9,7 @@ import numpy as np
 from figures import Figure, scene
 
 from morse.plugins.weather.medium import VISIBLE, Conditions, drops_of, falling_speed
+from morse.plugins.weather.radio import attenuation
 from morse.plugins.weather.services import outputs, turbulence
 from morse.rendering.textures import LINEAR
 
@@ -46,7 +47,7 @@ def figures() -> Iterator[Figure]:
         loss = 10.0 * math.log10(math.exp(Conditions(rain=rate).extinction(VISIBLE) * 1000.0))
         yield Figure(f"rain of {rate:g} mm/h", "loss of light, dB/km", decibels, loss, 0.05, "ITU-R P.1814")
     for gigahertz, k, alpha in ((24.0, 0.1425, 1.0101), (80.0, 1.1704, 0.7115)):
-        radio, loss = Conditions(rain=10.0).attenuation_of_radio(gigahertz * 1e9), k * 10.0**alpha
+        radio, loss = attenuation(Conditions(rain=10.0), gigahertz * 1e9), k * 10.0**alpha
         what = f"loss at {gigahertz:g} GHz, dB/km"
         yield Figure("rain of 10 mm/h", what, loss, radio, 0.005, "ITU-R P.838-3, table 5")
     (drops,) = drops_of(Conditions(rain=12.0))

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
+from morse.helpers import air
 from morse.helpers.components import add_data, add_property, add_state
 from morse.helpers.joint_motors import JointMotors
 from morse.mathutils.rotations import turn, turn_back
@@ -86,9 +87,10 @@ class Propeller(Actuator):
         rotation = self.bge_object.world_pose()[1]
         speed = abs(self.omega)
         thrust = self._thrust * self.omega * speed
+        lifting = thrust * air.thrust(self.context, self.robot_parent.bge_object)
         x, y, _ = turn_back(rotation, link.velocity()[0])
         drag, rolling = -self._drag * speed, -self._rolling * speed
-        force = (_within(drag * x), _within(drag * y), _within(thrust))
+        force = (_within(drag * x), _within(drag * y), _within(lifting))
         torque = (_within(rolling * x), _within(rolling * y), _within(-self._direction * self._moment * thrust))
         link.wrench(turn(rotation, force), turn(rotation, torque), False)
 

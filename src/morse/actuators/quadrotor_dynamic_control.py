@@ -6,6 +6,7 @@ import math
 
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, LENGTH, TORQUE
+from morse.helpers import air
 from morse.helpers.components import add_data, add_kind, add_property
 
 
@@ -55,4 +56,6 @@ class QuadrotorDynamicControl(Actuator):
             x, y = arm * (w1 - w2 - w3 + w4), arm * (w3 + w4 - w1 - w2)
         z = self._drag_factor * (w2 - w1 + w4 - w3)
         turning = [min(max(torque, TORQUE["low"]), TORQUE["high"]) for torque in (x, y, z)]
-        self.robot_parent.bge_object.wrench((0.0, 0.0, min(thrust, FORCE["high"])), turning, True)
+        body = self.robot_parent.bge_object
+        lifting = min(thrust * air.thrust(self.context, body), FORCE["high"])
+        body.wrench((0.0, 0.0, lifting), turning, True)

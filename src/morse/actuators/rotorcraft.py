@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, TORQUE
+from morse.helpers import air
 from morse.helpers.components import add_property, add_state
 from morse.helpers.transformation import euler_angles
 
@@ -75,7 +76,8 @@ class Rotorcraft(Actuator):
             x, y, z = _limited(x, _MOST_TORQUE), _limited(y, _MOST_TORQUE), _limited(z, _MOST_TORQUE)
         if not abs(thrust) <= _MOST_FORCE:
             thrust = _limited(thrust, _MOST_FORCE)
-        self.robot_parent.bge_object.wrench((0.0, 0.0, thrust), (x, y, z), True)
+        body = self.robot_parent.bge_object
+        body.wrench((0.0, 0.0, thrust * air.thrust(self.context, body)), (x, y, z), True)
 
 
 def _limited(value: float, most: float) -> float:

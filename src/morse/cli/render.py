@@ -14,12 +14,14 @@ from morse.cli.scenes import resolve
 from morse.system.regular_files import RefusedFileError, check_default_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
+    from morse.core.context import Context
     from morse.rendering import CameraRequest, Lens
+    from morse.sensors.camera import PictureModifier
     from morse.simulation.simulation import Simulation
 
 
@@ -102,6 +104,41 @@ def _lens(size: tuple[int, int], angle: float, fine: bool) -> Lens:
     return Lens.of_angle(width, height, angle, 0.05, _FARTHEST)
 
 
+class _View:
+    """The free viewpoint, for the modifiers of the pictures of all video cameras, such as those of the weather."""
+
+    exposure_time = 0.0
+    lens = property(lambda self: self.request.lens)
+
+    def __init__(self, context: Context, request: CameraRequest) -> None:
+        self.context, self.request = context, request
+
+    def name(self) -> str:
+        return "view"
+
+
+def modifiers_of(simulation: Simulation, camera: str | None, request: CameraRequest) -> list[PictureModifier]:
+    """The modifiers of the pictures of a camera, or of the free viewpoint."""
+    from morse.builder.names.catalog import fitting_modifier
+    from morse.core.classes.classpath import load_class
+    from morse.sensors.camera import PictureModifier
+    from morse.sensors.video_camera import VideoCamera
+
+    if camera is not None:
+        component: Any = simulation.context.components[camera]
+        own = [one for one in component.output_modifiers if isinstance(one, PictureModifier)]
+        request.normals = any("normals" in one.uses for one in own)
+        return own
+    view: Any = _View(simulation.context, request)
+    found = []
+    for one in simulation.context.scene.alterations:
+        path = fitting_modifier(one.name, VideoCamera)
+        cls = None if path is None else load_class(path)
+        if cls is not None and issubclass(cls, PictureModifier):
+            found.append(cls(view, dict(one.options)))
+    return found
+
+
 def shape_of(request: CameraRequest, fine: bool) -> tuple[int, int]:
     """Width and height of the images, px."""
     from morse.rendering.renderer import Viewpoint
@@ -111,8 +148,10 @@ def shape_of(request: CameraRequest, fine: bool) -> tuple[int, int]:
     return (lens.width // 2, lens.height // 2) if halved else (lens.width, lens.height)
 
 
-def drawn(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
-    """(H, W, 3) the present image."""
+def drawn(
+    request: CameraRequest, show: str, fine: bool, modifiers: Sequence[PictureModifier] = (), time: float = 0.0
+) -> NDArray[np.uint8]:
+    """(H, W, 3) the present image, as modifiers change it; ``time`` is the simulated time, s."""
     import numpy as np
 
     from morse.core.image_colors import as_colors, as_pixels
@@ -121,6 +160,8 @@ def drawn(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
     request.server.serve([request])
     picture = request.picture
     assert picture is not None
+    for modifier in modifiers:
+        picture = modifier.modify_picture(picture, time)
     if show == "ids":
         pixels = as_colors(np.minimum(picture.ids + 1, 65535).astype(np.uint16))
     elif show == "depth":
@@ -217,12 +258,13 @@ def command(
     try:
         show = show or usual_of(simulation, camera)
         request = request_of(simulation, camera, places, (width, height), fov, fine, show == "color")
+        modifiers = modifiers_of(simulation, camera, request)
         _run(simulation, time)
         _write(
             path,
             shape_of(request, fine),
             (time, film, rate),
-            lambda: drawn(request, show, fine),
+            lambda: drawn(request, show, fine, modifiers, simulation.clock.time),
             lambda until: _run(simulation, until),
         )
         return _status(simulation)

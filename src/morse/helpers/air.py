@@ -1,4 +1,4 @@
-"""What moves and dampens in the air, for all components: the wind, and the loss of radio waves."""
+"""What moves and dampens in the air, for all components: the wind, and rain in the way of radio waves."""
 
 from __future__ import annotations
 
@@ -6,10 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from morse.core.context import Context
-    from morse.core.world import World
+    from morse.core.world import Body, World
+
+    Floats = NDArray[np.float64]
 
     Wind = tuple[float, float, float]
 
@@ -23,17 +28,25 @@ class Air:
     Attributes:
         wind: mean velocity in the world, m/s.
         gust: what is added to it at this tick, m/s.
-        radio_loss: attenuation of radio waves along one way, dB/km, by their frequency, Hz.
+        radio_loss: returns the attenuation (N,) of radio waves on the ways from a place (3,) to others (N, 3), dB, for
+            their frequency, Hz; None if the air absorbs none.
+        radio_echo: returns the radar cross-section of a volume of air, m²/m³, for a frequency, Hz, and a place (3,);
+            None if it has none.
+        thrust: returns the thrust of the rotors of a robot as a share of that in free air; None if that is 1.
     """
 
     def __init__(self, world: World) -> None:
         self.wind: Wind = (0.0, 0.0, 0.0)
         self.gust: Wind = (0.0, 0.0, 0.0)
-        self.radio_loss: Callable[[float], float] = _none
+        self.radio_loss: Callable[[float, Floats, Floats], Floats] | None = None
+        self.radio_echo: Callable[[float, Sequence[float]], float] | None = None
+        self.thrust: Callable[[Body], float] | None = None
 
 
-def _none(frequency: float) -> float:
-    return 0.0
+def thrust(context: Context, body: Body) -> float:
+    """Return the thrust of the rotors of a robot as a share of that in free air: more than 1 near the ground."""
+    share = context.server(Air).thrust
+    return 1.0 if share is None else share(body)
 
 
 def wind(context: Context, *, gusts: bool = True) -> Wind:

@@ -21,10 +21,11 @@ from morse.sensors.delayed_pictures import DelayedPictures, Exposure
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from morse.core.object import Object
     from morse.core.realism import Realism
     from morse.core.robot import Robot
     from morse.core.sensor import Pose, WatchedSpace
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Options
     from morse.core.world import Body
     from morse.rendering import CameraRequest, Lens, Picture
     from morse.scene.component import RealismModel
@@ -66,7 +67,25 @@ Pictures = Annotated[int, Range(low=-1e9, high=1e9)]
 
 
 class PictureModifier(AbstractModifier):
-    """Changes the pictures of a camera before the camera makes its data of them."""
+    """Changes the pictures of a camera before the camera makes its data of them.
+
+    Attributes:
+        uses: the fields of `morse.rendering.Picture` that `modify_picture` uses, besides those of the camera.
+    """
+
+    uses: tuple[str, ...] = ("depth",)
+    component_instance: Camera
+    not_state = (*AbstractModifier.not_state, "uses")
+
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
+        super().__init__(component_instance, kwargs)
+        self.use(*self.uses)
+
+    def use(self, *fields: str) -> None:
+        """Let the pictures contain fields, such as ``normals``, from the next one on."""
+        self.uses = tuple(dict.fromkeys((*self.uses, *fields)))
+        if "normals" in self.uses:
+            self.component_instance.request.normals = True
 
     def modify(self) -> None:
         """Do nothing: the data follow from the picture."""

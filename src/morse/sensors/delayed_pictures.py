@@ -149,8 +149,10 @@ class DelayedPictures(Realism):
 
     @property
     def _uses(self) -> Sequence[str]:
+        """The fields of a picture that the camera and the modifiers of its pictures use."""
         assert self._camera.uses is not None
-        return self._camera.uses
+        own: list[str] = [name for one in self._camera.output_modifiers for name in getattr(one, "uses", ())]
+        return list(dict.fromkeys((*self._camera.uses, *own)))
 
     def act(self) -> None:
         """Begin an image, if one is due."""

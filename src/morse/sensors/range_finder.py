@@ -59,7 +59,7 @@ class RangeFinder(Sensor):
         "_resolution", 3.0, "resolution", "float", "Angle between rays of a cone", unit="deg", low=0.5, high=90.0
     )
     add_property(
-        "_radiation",
+        "radiation",
         "infrared",
         "radiation",
         "string",
@@ -73,13 +73,14 @@ class RangeFinder(Sensor):
         min=prop("_min_range"),
         max=prop("_range"),
         fov=prop("_cone"),
-        radiation=prop("_radiation"),
+        radiation=prop("radiation"),
     )
 
     _range: float
     _min_range: float
     _cone: float
     _resolution: float
+    radiation: str
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

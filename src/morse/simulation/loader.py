@@ -294,11 +294,16 @@ def connect(context: Context, parts: Loaded, declarations: Sequence[ComponentDec
 
 
 def _alter(declaration: ComponentDeclaration, cls: type, alterations: Sequence[SensorAlteration]) -> None:
-    """Declare the modifiers of all sensors that fit one sensor, unless an earlier run of the scene has done so."""
+    """Declare the modifiers of all sensors that fit one sensor, unless an earlier run of the scene has done so.
+
+    A sensor that has such a modifier of its own keeps it, with its options.
+    """
+    places = {one.where for one in alterations}
+    own = {each.classpath for each in declaration.modifiers if each.where not in places}
     for one in alterations:
         path = fitting_modifier(one.name, cls)
         known = any(each.classpath == path and each.where == one.where for each in declaration.modifiers)
-        if path is not None and not known:
+        if path is not None and path not in own and not known:
             declaration.modifiers.append(ModifierDeclaration(path, dict(one.options), one.where))
 
 

@@ -9,6 +9,7 @@ import pytest
 import morse
 from morse.helpers.air import wind
 from morse.plugins.weather.medium import LIDAR, VISIBLE, Beam, Conditions, drops_of, falling_speed
+from morse.plugins.weather.radio import attenuation
 from morse.plugins.weather.services import outputs, turbulence
 from tests.kit.scenes import Load, script
 
@@ -46,10 +47,10 @@ def test_attenuation_of_radar_as_published():
 )
 def test_rain_weakens_radio_waves_as_the_table_of_p838_3_says(gigahertz, k, alpha):
     """ITU-R P.838-3, table 5: the coefficients for horizontal polarisation."""
-    assert Conditions(rain=1.0).attenuation_of_radio(gigahertz * 1e9) == pytest.approx(k, rel=1e-3)
+    assert attenuation(Conditions(rain=1.0), gigahertz * 1e9) == pytest.approx(k, rel=1e-3)
     for rate in (0.25, 10.0, 150.0):
-        assert Conditions(rain=rate).attenuation_of_radio(gigahertz * 1e9) == pytest.approx(k * rate**alpha, rel=2e-3)
-    assert Conditions(fog=50.0).attenuation_of_radio(gigahertz * 1e9) == 0.0
+        assert attenuation(Conditions(rain=rate), gigahertz * 1e9) == pytest.approx(k * rate**alpha, rel=2e-3)
+    assert attenuation(Conditions(fog=50.0), gigahertz * 1e9) == 0.0
 
 
 @pytest.mark.parametrize("rate", [2.0, 12.0, 50.0])

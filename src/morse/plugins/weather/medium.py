@@ -4,7 +4,7 @@ Lengths are in metres, extinction coefficients in 1/m. Sources of the formulas:
 
 * meteorological range at a contrast of 5 %: H. Koschmieder 1924; WMO-No. 8, chapter 9;
 * wavelengths in fog: I. Kim, B. McArthur, E. Korevaar, Proc. SPIE 4214 (2001): no change below 500 m;
-* rain and snow on light: Recommendation ITU-R P.1814; rain on radio waves: Recommendation ITU-R P.838-3;
+* rain and snow on light: Recommendation ITU-R P.1814;
 * sizes of drops: J. Marshall, W. Palmer, J. Meteorology 5 (1948); of flakes: K. Gunn, J. Marshall, J. Meteorology 15
   (1958);
 * speeds of drops: D. Atlas, R. Srivastava, R. Sekhon, Rev. Geophysics 11 (1973);
@@ -38,15 +38,6 @@ _DECIBEL = math.log(10.0) / 10.0
 _OPAQUE = 300.0
 #: number of distances in a table
 _STEPS = 513
-#: coefficients a, b, c of log10 k and of alpha in P.838-3, equations (2) and (3), for horizontal polarisation
-_LOG_K = (
-    (-5.33980, -0.10008, 1.13098), (-0.35351, 1.26970, 0.45400), (-0.23789, 0.86036, 0.15354),
-    (-0.94158, 0.64552, 0.16817),
-)  # fmt: skip
-_ALPHA = (
-    (-0.14318, 1.82442, -0.55187), (0.29591, 0.77564, 0.19822), (0.32177, 0.63773, 0.13164),
-    (-5.37610, -0.96230, 1.47828), (16.1721, -3.29980, 3.43990),
-)  # fmt: skip
 #: mass extinction of mineral dust in visible light, m^2/g (J. Hand, W. Malm, J. Geophysical Research 112 (2007))
 _DUST = 0.6
 
@@ -63,6 +54,9 @@ class Conditions:
         wind: mean velocity in the world, m/s.
         gusts: standard deviation of the horizontal turbulence, m/s.
         wet: how wet the ground is, 0 to 1.
+        snow_cover: share of the ground with snow.
+        ice: share of smooth ice on the ground.
+        lens_drops: mean number of drops on a lens.
     """
 
     fog: float = math.inf
@@ -72,6 +66,9 @@ class Conditions:
     wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
     gusts: float = 0.0
     wet: float = 0.0
+    snow_cover: float = 0.0
+    ice: float = 0.0
+    lens_drops: float = 0.0
 
     def mixed(self, other: Conditions, share: float) -> Conditions:
         """Return the conditions between these and others; ``share`` is 0 for these, and 1 for the others."""
@@ -94,26 +91,13 @@ class Conditions:
         fog = 0.0 if math.isinf(self.fog) else _fog(self.fog, wavelength)
         return fog + _DECIBEL / 1000.0 * (_rain(self.rain) + _snow(self.snow, wavelength)) + _DUST * self.dust
 
-    def attenuation_of_radio(self, frequency: float) -> float:
-        """Return the attenuation of radio waves by rain, dB/km, one way, for horizontal polarisation.
-
-        Args:
-            frequency: Hz; beyond 1 GHz to 1 THz, for which the Recommendation holds, that of the nearer end.
-        """
-        if not self.rain:
-            return 0.0
-        x = math.log10(min(max(frequency / 1e9, 1.0), 1000.0))
-        log_k = sum(a * math.exp(-(((x - b) / c) ** 2)) for a, b, c in _LOG_K) - 0.18961 * x + 0.71147
-        alpha = sum(a * math.exp(-(((x - b) / c) ** 2)) for a, b, c in _ALPHA) + 0.67849 * x - 1.95537
-        return float(10.0**log_k * self.rain**alpha)
-
     @property
     def is_clear(self) -> bool:
         """Whether nothing is in the air."""
         return math.isinf(self.fog) and not (self.rain or self.snow or self.dust)
 
 
-_NUMBERS = ("rain", "snow", "dust", "gusts", "wet")
+_NUMBERS = ("rain", "snow", "dust", "gusts", "wet", "snow_cover", "ice", "lens_drops")
 
 
 def _fog(range_of_sight: float, wavelength: float) -> float:
@@ -258,14 +242,18 @@ class Passage:
         """Return the share of the light (N,) that comes back from distances (N,)."""
         return np.interp(ranges, self.ranges, self.transmission)
 
-    def detected(self, ranges: Floats) -> NDArray[np.bool_]:
-        """Whether surfaces (N,) at these distances, m, are still detected.
+    @staticmethod
+    def faded(depth: Floats) -> Floats:
+        """Return the share of the light (N,) that comes back through optical depths (N,), one way."""
+        return portable.exp(-2.0 * np.minimum(depth, _OPAQUE))
 
-        In clear air a scanner reports all surfaces within its reach, whatever their colour; so here all reflect as one
-        that is just detected at the reach.
-        """
-        kept: NDArray[np.bool_] = self.received(ranges) >= (ranges / self.beam.reach) ** 2
-        return kept
+    def drops_within(self, start: Floats, end: Floats) -> Floats:
+        """Return the mean number (N,) of detected drops between distances (N,)."""
+        return np.interp(end, self.ranges, self.echoes) - np.interp(start, self.ranges, self.echoes)
+
+    def place_of_drop(self, start: Floats, number: Floats) -> Floats:
+        """Return the distance (N,) behind which there are as many detected drops (N,) from a start (N,) on."""
+        return np.interp(np.interp(start, self.ranges, self.echoes) + number, self.echoes, self.ranges)
 
     def first_drops(self, random: np.random.Generator, count: int) -> Floats:
         """Return the distance (N,) of the first drop that each beam detects, m; infinite for none."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -11,19 +12,23 @@ import numpy as np
 from morse.actuators.drag import Drag
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.reports.quoting import closest
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.air import Air
 from morse.mathutils.portable import matmul
-from morse.plugins.weather import PROPERTY, checked
+from morse.plugins.weather import FIXED, IN_ZONES, PROPERTY, checked, radio
 from morse.plugins.weather.medium import Conditions
+from morse.plugins.weather.zones import Atmosphere, is_number
 from morse.scene.extent import extent
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from morse.core.context import Context
     from morse.core.interfaces import Carrier
+    from morse.core.world import Body, RayBundle
+    from morse.plugins.weather.zones import Zone
     from morse.scene import Node
 
 #: s, in which a change of the weather may take place
@@ -36,6 +41,10 @@ _DRAG = 1.05
 #: h / (0.177 + 0.000823 h)^1.2; upward, h; the vertical standard deviation as a share of the horizontal one
 _LENGTH, _LENGTH_UP, _UP = 108.7, 18.29, 0.552
 _ROOT = math.sqrt(3.0)
+#: heights beyond so many radii of a rotor count as free air: there, 0.1 % of the thrust are left of the ground effect
+_REACH = 8.0
+#: m
+_LARGEST_ROTOR = 50.0
 
 
 def services(context: Context) -> Weather | None:
@@ -43,15 +52,46 @@ def services(context: Context) -> Weather | None:
     return Weather(context) if PROPERTY in context.scene.properties else None
 
 
-def present(context: Context) -> Conditions:
-    """Return the weather at the present time."""
+def present(context: Context) -> Atmosphere:
+    """Return the weather at the present time, everywhere."""
     for one in context.service_objects:
         if isinstance(one, Weather):
-            return one.conditions
-    return _CLEAR
+            return one.atmosphere
+    return _CALM
 
 
 _CLEAR = Conditions()
+_CALM = Atmosphere(_CLEAR)
+
+
+class _Plan:
+    """The weather of one place over time.
+
+    Attributes:
+        steps: (time, conditions); the first one has passed.
+    """
+
+    def __init__(self, steps: list[tuple[float, Conditions]]) -> None:
+        self.steps = steps
+
+    @classmethod
+    def of_script(cls, script: Mapping[str, Any]) -> _Plan:
+        """Create the plan of a script."""
+        conditions = _CLEAR.changed(script.get("first", {}))
+        steps = [(0.0, conditions)]
+        for time, values in script.get("later", ()):
+            conditions = conditions.changed(values)
+            steps.append((time, conditions))
+        return cls(steps)
+
+    def at(self, time: float) -> Conditions:
+        """Return the conditions at a time, which does not decrease."""
+        while len(self.steps) > 1 and self.steps[1][0] <= time:
+            del self.steps[0]
+        (start, before), after = self.steps[0], self.steps[1:]
+        if not after or after[0][0] <= start:
+            return before
+        return before.mixed(after[0][1], (time - start) / (after[0][0] - start))
 
 
 class Weather(AbstractObject):
@@ -60,14 +100,23 @@ class Weather(AbstractObject):
     def __init__(self, context: Context) -> None:
         super().__init__()
         self._context = context
-        self._plan: list[tuple[float, Conditions]] = []
-        self.conditions = _CLEAR
+        self._zones: list[Zone] = []
+        #: those of the zones, and last that of the world outside of them
+        self._plans: list[_Plan] = []
+        self.atmosphere = _CALM
         self._air = context.server(Air)
-        self._air.radio_loss = lambda frequency: self.conditions.attenuation_of_radio(frequency)
+        if self._script.get("ground_effect"):
+            self._air.thrust = self._thrust
         self._filters = np.zeros(5)
         #: cross-sections of robots along their axes, m^2; by the robot, because another one may get its name
         self._areas: WeakKeyDictionary[Carrier, np.ndarray] = WeakKeyDictionary()
+        #: radius of the rotors of robots, m, and the ray that measures their height
+        self._rotors: WeakKeyDictionary[Body, tuple[float, RayBundle]] = WeakKeyDictionary()
         self.restart()
+
+    @property
+    def _script(self) -> dict[str, Any]:
+        return self._context.scene.properties[PROPERTY]  # type: ignore[return-value]
 
     def name(self) -> str:
         """``weather``."""
@@ -75,69 +124,108 @@ class Weather(AbstractObject):
 
     def restart(self) -> None:
         """Begin with the weather of the script."""
-        script: dict = self._context.scene.properties[PROPERTY]  # type: ignore[assignment, type-arg]
-        conditions = _CLEAR.changed(script["first"])
-        self._plan = [(0.0, conditions)]
-        for time, values in script["later"]:
-            conditions = conditions.changed(values)
-            self._plan.append((time, conditions))
+        zones = self._script["zones"]
+        self._zones = [zone for zone, _ in zones]
+        self._plans = [*(_Plan.of_script(plan) for _, plan in zones), _Plan.of_script(self._script)]
         self._filters = np.zeros(5)
-        self._change_to(self._plan[0][1])
+        self._follow(0.0)
 
     @service
-    def set(self, values: dict[str, object], seconds: Duration = 0.0) -> dict[str, object]:
+    def set(self, values: dict[str, object], seconds: Duration = 0.0, zone: str | None = None) -> dict[str, object]:
         """Change the weather, and end the schedule of the script; return the new weather.
 
         Args:
             values: e.g. ``{"rain": 12.0, "wind": [3.0, 0.0]}``; a name that is not given keeps its value.
             seconds: time in which the weather changes, s.
+            zone: name of a zone of the script; None for the weather outside of them.
         """
-        if "wet" in values:
-            raise MorseRPCInvokationError("'wet' is set by the script alone: friction does not change in a run")
-        after = self.conditions.changed(checked(values, MorseRPCInvokationError))
+        number = self._number(zone)
+        for name in values:
+            if name in FIXED:
+                raise MorseRPCInvokationError(f"'{name}' is set by the script alone: friction does not change in a run")
+            if zone is not None and name not in IN_ZONES:
+                raise MorseRPCInvokationError(f"a zone has {', '.join(IN_ZONES)} of its own, not {name!r:.60}")
         now = self._context.clock.time
-        self._plan = [(now, self.conditions if seconds else after), (now + seconds, after)]
+        before = self._plans[number].at(now)
+        after = before.changed(checked(values, MorseRPCInvokationError))
+        self._plans[number] = _Plan([(now, before if seconds else after), (now + seconds, after)])
         return _described(after)
 
     @service(changes=False)
-    def get(self) -> dict[str, object]:
-        """Return the present weather by name."""
-        return _described(self.conditions)
+    def get(self, zone: str | None = None) -> dict[str, object]:
+        """Return the present weather by name: that of a zone, or that outside of all zones."""
+        return _described([*(one for _, one in self.atmosphere.zones), self.atmosphere.outside][self._number(zone)])
+
+    @service(changes=False)
+    def zones(self) -> list[dict[str, object]]:
+        """Return the zones: ``zone``, ``area`` (corners, m), ``height`` (m, or None)."""
+        heights = [zone.top if math.isfinite(zone.top) else None for zone in self._zones]
+        return [
+            {"zone": zone.name, "area": [list(corner) for corner in zone.corners], "height": height}
+            for zone, height in zip(self._zones, heights, strict=True)
+        ]
+
+    def _number(self, name: str | None) -> int:
+        names = [zone.name for zone in self._zones]
+        if name is not None and name not in names:
+            near = closest(name, names)
+            hint = f"; did you mean '{near}'?" if near else f"; there are {', '.join(names) or 'none'}"
+            raise MorseRPCInvokationError(f"the weather has no zone {name!r:.60}{hint}")
+        return len(names) if name is None else names.index(name)
 
     def default_action(self) -> None:
         """Follow the schedule, and let the wind act."""
         self._follow(self._context.clock.time)
-        if any(self.conditions.wind) or self.conditions.gusts:
-            self._blow()
+        outside = self.atmosphere.outside
+        if any(outside.wind) or outside.gusts:
+            self._blow(outside)
 
     def _follow(self, time: float) -> None:
-        before, after = self._plan[0], self._plan[0]
-        while len(self._plan) > 1 and self._plan[1][0] <= time:
-            before = after = self._plan.pop(1)
-            self._plan[0] = before
-        if len(self._plan) > 1 and self._plan[1][0] > self._plan[0][0]:
-            after = self._plan[1]
-            share = (time - before[0]) / (after[0] - before[0])
-            self._change_to(before[1].mixed(after[1], share))
-        else:
-            self._change_to(before[1])
-
-    def _change_to(self, conditions: Conditions) -> None:
-        self.conditions = conditions
-        self._air.wind = conditions.wind
+        *within, outside = (plan.at(time) for plan in self._plans)
+        self.atmosphere = Atmosphere(outside, tuple(zip(self._zones, within, strict=True)))
+        is_rain = any(one.rain for one in (outside, *within))
+        self._air.radio_loss = self._radio_loss if is_rain else None
+        self._air.radio_echo = self._radio_echo if is_rain else None
+        self._air.wind = outside.wind
         # the gusts follow from the filters, also those of a restored state
         along, across, up = outputs(self._filters)
-        flat = math.hypot(*conditions.wind[:2])
-        x, y = (part / flat for part in conditions.wind[:2]) if flat else (1.0, 0.0)
+        flat = math.hypot(*outside.wind[:2])
+        x, y = (part / flat for part in outside.wind[:2]) if flat else (1.0, 0.0)
         gust = (along * x - across * y, along * y + across * x, _UP * up)
-        self._air.gust = tuple(conditions.gusts * part for part in gust)  # type: ignore[assignment]
+        self._air.gust = tuple(outside.gusts * part for part in gust)  # type: ignore[assignment]
 
-    def _blow(self) -> None:
-        conditions, period = self.conditions, self._context.clock.period
+    def _radio_loss(self, frequency: float, start: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        ways = ends - start
+        lengths = np.sqrt(ways[:, 0] ** 2 + ways[:, 1] ** 2 + ways[:, 2] ** 2)
+        ways = ways / np.maximum(lengths, 1e-9)[:, None]
+        return self.atmosphere.along(
+            start, list(ways.T), lengths, lambda one: radio.attenuation(one, frequency) / 1000.0
+        )
+
+    def _radio_echo(self, frequency: float, place: Sequence[float]) -> float:
+        return radio.echo_of_rain(self.atmosphere.at(place), frequency)
+
+    def _thrust(self, body: Body) -> float:
+        """The ground effect of a rotor: 1 / (1 - (R / 4 z)^2) (I. Cheeseman, W. Bennett, ARC R&M 3021, 1955)."""
+        if body not in self._rotors:
+            given, corners = body.get("RotorRadius"), extent(body.node.walk(), body.node)
+            width = 0.0 if corners is None else float(corners[1][0] - corners[0][0] + corners[1][1] - corners[0][1])
+            radius = float(given) if is_number(given) and 0.0 <= given <= _LARGEST_ROTOR else width / 8.0
+            below = self._context.world.rays.bundle(body, [(0.0, 0.0, -1.0)], max(_REACH * radius, 1e-3), upright=True)
+            self._rotors[body] = (radius, below)
+        radius, below = self._rotors[body]
+        if not radius:
+            return 1.0
+        below.refresh()
+        height = max(float(below.distances[0]), 0.5 * radius)
+        return 1.0 if below.hit[0] < 0 else 1.0 / (1.0 - (radius / (4.0 * height)) ** 2)
+
+    def _blow(self, conditions: Conditions) -> None:
+        period = self._context.clock.period
         speed = max(math.hypot(*conditions.wind), 1.0)
         random = self._context.random_at("weather/gusts", self._context.clock.tick)
         self._filters = turbulence(self._filters, random.standard_normal(3), period, speed)
-        self._change_to(conditions)
+        self._follow(self._context.clock.time)
         wind = np.asarray(conditions.wind) + np.asarray(self._air.gust)
         parts = self._context.components.values()
         drags: dict[object, Drag] = {one.robot_parent: one for one in parts if isinstance(one, Drag)}
@@ -162,13 +250,18 @@ class Weather(AbstractObject):
         body.wrench(tuple(force), (0.0, 0.0, 0.0), True)
 
     def get_state(self) -> object:
-        """Return the plan of the weather, and the filters of the gusts."""
-        return {"plan": [(time, _described(one)) for time, one in self._plan], "gusts": self._filters.tolist()}
+        """Return the plans of the weather, and the filters of the gusts."""
+        plans = [[(time, _described(one)) for time, one in plan.steps] for plan in self._plans]
+        return {"plans": plans, "gusts": self._filters.tolist()}
 
-    def set_state(self, state: Mapping[str, object]) -> None:
+    def set_state(self, state: Mapping[str, Any]) -> None:
         """Restore a state that `get_state` returned."""
-        plan: list = state["plan"]  # type: ignore[assignment, type-arg]
-        self._plan = [(float(time), _CLEAR.changed(checked(values, ValueError))) for time, values in plan]
+        if len(state["plans"]) != len(self._plans):
+            raise ValueError("the state has other zones of weather")
+        self._plans = [
+            _Plan([(float(time), _CLEAR.changed(checked(values, ValueError))) for time, values in steps])
+            for steps in state["plans"]
+        ]
         self._filters = np.array(state["gusts"], dtype=np.float64)
         self._follow(self._context.clock.time)
 
@@ -212,5 +305,4 @@ def outputs(filters: np.ndarray) -> tuple[float, float, float]:
 
 def _described(conditions: Conditions) -> dict[str, object]:
     fog = None if math.isinf(conditions.fog) else conditions.fog
-    numbers = {name: getattr(conditions, name) for name in ("rain", "snow", "dust", "gusts", "wet")}
-    return {"fog": fog, **numbers, "wind": list(conditions.wind)}
+    return {**dataclasses.asdict(conditions), "fog": fog, "wind": list(conditions.wind)}

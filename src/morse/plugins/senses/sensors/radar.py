@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults, Visual
-from morse.helpers.air import Air
+from morse.helpers.air import Air, wind
 from morse.helpers.components import add_data, add_kind, add_property
-from morse.mathutils.portable import arccos, arctan2, exp, log10
+from morse.mathutils.portable import arccos, arctan2, cos, exp, log10, matmul, sin
 from morse.plugins.senses.scanning import (
     ScanningSensor,
     by_object,
@@ -38,6 +38,9 @@ THRESHOLD = 13.0
 #: K of the error of a measured angle, range or velocity: resolution / (K sqrt(2 SNR)), of a monopulse antenna
 #: (M. Skolnik, "Introduction to Radar Systems", 3rd edition, section 6.3)
 _ACCURACY = 1.6
+#: standard deviation of the velocities of drops, m/s, by turbulence and shear (R. Doviak, D. Zrnić, Doppler Radar and
+#: Weather Observations, section 5.3)
+_SPREAD_OF_RAIN = 1.0
 #: cells on each side that a point fills, and steps of the table of the window
 _CELLS, _FINE = 2, 64
 #: most point targets, so that no world makes a radar slow
@@ -218,11 +221,42 @@ class Radar(ScanningSensor):
         """Measure the map and the detections."""
         echoes = np.concatenate([self._surfaces(self.scan()), self._points()])
         echoes[:, 4] *= self._constant() / np.maximum(echoes[:, 0], 0.1) ** 4
-        if loss := self.context.server(Air).radio_loss(self.carrier):
-            # there and back; dB/km as an exponent of one metre
-            echoes[:, 4] *= exp(-2.0 * loss * math.log(10.0) / 1e4 * echoes[:, 0])
-        self.local_data["map"] = self._map(echoes)
-        self.local_data["detections"] = self._detections(echoes)
+        echoes[:, 4] *= self._transmission(echoes[:, 0], echoes[:, 1], echoes[:, 2])
+        rain = self._rain()
+        self.local_data["map"] = self._map(echoes, rain)
+        self.local_data["detections"] = self._detections(echoes, rain)
+
+    def _transmission(self, ranges: Floats, azimuths: Floats, elevations: Floats) -> Floats:
+        """Return the share (N,) of the power that rain lets through, there and back."""
+        absorb = self.context.server(Air).radio_loss
+        if absorb is None:
+            return np.ones(len(ranges))
+        flat = cos(elevations)
+        ways = np.stack([flat * cos(azimuths), flat * sin(azimuths), sin(elevations)], axis=1)
+        place = np.array(self.bge_object.worldPosition)
+        turn = np.array(self.bge_object.worldOrientation)
+        ends = place + ranges[:, None] * matmul(ways, turn.T)
+        return exp(-0.2 * math.log(10.0) * absorb(self.carrier, place, ends))
+
+    def _rain(self) -> Floats | None:
+        """Return the echo of rain in a beam for each range cell (R,), as signal to noise ratio; None without rain."""
+        echo_at = self.context.server(Air).radio_echo
+        if echo_at is None:
+            return None
+        echo = echo_at(self.carrier, self.bge_object.worldPosition)
+        ranges = (np.arange(self.range_bins) + 0.5) * np.float64(self.range_resolution)
+        level = np.zeros(len(ranges))
+        area = ranges**2 * math.radians(self.azimuth_resolution) * math.radians(self.elevation_fov)
+        share = self._transmission(ranges, level, level)
+        return self._constant() * echo * area * self.range_resolution / ranges**4 * share
+
+    def _speeds_of_rain(self) -> Floats:
+        """Return the mean velocities of the rain, m/s, in the beams (B,): those of the wind, away from the radar."""
+        count = max(round(self.azimuth_fov / self.azimuth_resolution), 1)
+        angles = steps(math.radians(self.azimuth_fov), count)
+        turn = np.array(self.bge_object.worldOrientation)
+        across, along = (matmul(np.array(wind(self.context, gusts=False)), turn) - own_velocity(self))[1::-1].tolist()
+        return np.asarray(along * cos(angles) + across * sin(angles))
 
     def _constant(self) -> float:
         """Signal to noise ratio of 1 m² at 1 m."""
@@ -290,7 +324,7 @@ class Radar(ScanningSensor):
             self._targets = (key, found[:_MOST_TARGETS])
         return [body for body in self._targets[1] if _is_point(body)]
 
-    def _map(self, echoes: Floats) -> NDArray[np.float32]:
+    def _map(self, echoes: Floats, rain: Floats | None) -> NDArray[np.float32]:
         rows, columns = self.range_bins, self.doppler_bins
         width = 2.0 * self.max_velocity / columns
         ranges, range_share = _spread(echoes[:, 0] / self.range_resolution - 0.5)
@@ -301,11 +335,18 @@ class Radar(ScanningSensor):
         shares = (range_share * echoes[:, 4])[:, None] * speed_share
         good = np.broadcast_to(inside[:, None], cells.shape)
         power = np.bincount(cells[good], shares[good], minlength=rows * columns)
-        # the amplitude of the noise is complex and Gaussian, its power exponential
-        noise = self.tick_random("map").standard_exponential(rows * columns) if self.errors else 1.0
+        level: Floats | float = 1.0
+        if rain is not None:
+            centres = (np.arange(columns) + 0.5) * width - self.max_velocity
+            away = (centres - self._speeds_of_rain()[:, None] + self.max_velocity) % (2.0 * self.max_velocity)
+            spectrum = exp(-0.5 * ((away - self.max_velocity) / _SPREAD_OF_RAIN) ** 2)
+            spectrum = (spectrum / np.maximum(spectrum.sum(axis=1, keepdims=True), 1e-12)).sum(axis=0)
+            level = (1.0 + rain[:, None] * spectrum).ravel()
+        # the amplitudes of the noise and of many drops are complex and Gaussian, their powers exponential
+        noise = level * self.tick_random("map").standard_exponential(rows * columns) if self.errors else level
         return log10(power + noise).reshape(rows, columns).astype(np.float32) * np.float32(10.0)
 
-    def _detections(self, echoes: Floats) -> list[dict[str, float]]:
+    def _detections(self, echoes: Floats, rain: Floats | None) -> list[dict[str, float]]:
         """Return a detection for each cell of range, azimuth and velocity whose power exceeds the threshold."""
         echoes = echoes[echoes[:, 4] > 0.0]
         if not len(echoes):
@@ -328,7 +369,12 @@ class Radar(ScanningSensor):
                 bound = 1.0 / (_ACCURACY * math.sqrt(2.0 * max(ratio, 1.0)))
                 shifts = (random.standard_normal(4) * bound * (sizes[0], beam, beam, width)).tolist()
                 mean = [value + shift for value, shift in zip(mean, shifts, strict=True)]
-            if ratio < 10.0 ** (THRESHOLD / 10.0):
+            noise = 1.0
+            if rain is not None:
+                # in the cells of velocities that its spectrum fills
+                share = min(width / (math.sqrt(2.0 * math.pi) * _SPREAD_OF_RAIN), 1.0)
+                noise += share * float(np.interp(mean[0] / self.range_resolution - 0.5, np.arange(len(rain)), rain))
+            if ratio < noise * 10.0 ** (THRESHOLD / 10.0):
                 continue
             velocity = (mean[3] + self.max_velocity) % (2.0 * self.max_velocity) - self.max_velocity
             result.append(

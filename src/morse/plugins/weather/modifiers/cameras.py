@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from morse.mathutils import portable
-from morse.plugins.weather.medium import DEPTH_OF_RANGE, VISIBLE, drops_of, falling_speed
+from morse.plugins.weather import PROPERTY
+from morse.plugins.weather.drawing import LEVEL, SKY, SNOWY, Ground, draw_lens_drops, draw_streaks
+from morse.plugins.weather.medium import DEPTH_OF_RANGE, THERMAL, VISIBLE, drops_of
 from morse.plugins.weather.services import present
 from morse.sensors.camera import PictureModifier
 
@@ -19,52 +22,56 @@ if TYPE_CHECKING:
     from morse.core.declarations import Option
     from morse.core.object import Object
     from morse.core.values import Options
-    from morse.plugins.weather.medium import Conditions, Drops
+    from morse.plugins.weather.zones import Atmosphere
     from morse.rendering import Lens, Picture
     from morse.sensors.camera import Camera
+    from morse.sensors.thermal_camera import ThermalCamera
     from morse.sensors.video_camera import VideoCamera
 
-#: numbers of levels of the transmission, and of distances
-_LEVELS, _DISTANCES = 256, 4096
-#: colour of the light in fog, in codes: that of an overcast sky
-_SKY = (196.0, 200.0, 204.0)
+#: numbers of levels of the transmission, and of steps of the optical depth up to `_DEEPEST`
+_LEVELS, _STEPS, _DEEPEST = 256, 4096, 6.0
 #: exposure of a camera without a time of exposure, s
 _EXPOSURE = 1.0 / 60.0
-#: m; drops that are farther than this are seen as haze, not as streaks
-_NEAR, _FAR = 0.15, 1.5
-#: mm; drops that are smaller than this leave no visible streak
-_SMALLEST = 1.0
-#: maximum number of streaks
-_MOST = 3000
-#: speeds of drops, m/s, by their diameters, mm
-_DIAMETERS = np.linspace(0.0, 10.0, 101)
-_SPEEDS = np.array([falling_speed(diameter) for diameter in _DIAMETERS.tolist()])
-#: speed of flakes, m/s
-_SPEED_OF_FLAKES = 1.2
+#: distance of the sky, m
+_FAR_AWAY = 1e5
 
 
-class _OverDistance(PictureModifier):
-    """Knows how far away each pixel is."""
+class _InAir(PictureModifier):
+    """Knows how much air is between the camera and each pixel."""
 
     component_instance: Camera
-    not_state = (*PictureModifier.not_state, "_lens", "_lengths")
+    not_state = (*PictureModifier.not_state, "_lens", "_rays", "_lengths")
+    uses = ("depth", "eye", "axes")
 
     def __init__(self, component_instance: Object, kwargs: Options) -> None:
         super().__init__(component_instance, kwargs)
         self._lens: Lens | None = None
-        self._lengths: NDArray[np.float32] | None = None
+        self._rays = self._lengths = np.zeros((0, 0), np.float32)
 
-    def distances(self, picture: Picture) -> NDArray[np.float32]:
-        """Return the lengths of the rays of a picture (H, W), m; 0 without a surface."""
+    def rays(self) -> NDArray[np.float32]:
+        """Return what `Lens.rays` returns (H, W, 3)."""
         lens = self.component_instance.lens
-        if self._lens is not lens or self._lengths is None:
-            rays = lens.rays()
-            self._lens, self._lengths = lens, np.sqrt((rays * rays).sum(axis=2))
-        return picture.depth * self._lengths
+        if self._lens is not lens:
+            self._lens, self._rays = lens, lens.rays()
+            self._lengths = np.sqrt((self._rays * self._rays).sum(axis=2))
+        return self._rays
+
+    def optical_depth(self, air: Atmosphere, picture: Picture, wavelength: float) -> NDArray[np.float32]:
+        """Return the optical depth (H, W) up to the surface in each pixel, or up to the sky."""
+        rays = self.rays()
+        distances = picture.depth * self._lengths
+        distances[picture.depth <= 0.0] = _FAR_AWAY
+        if not air.zones:
+            distances *= np.float32(air.outside.extinction(wavelength))
+            return distances
+        ways = [
+            sum(rays[..., axis] * picture.axes[axis, part] for axis in range(3)) / self._lengths for part in range(3)
+        ]
+        return air.along(picture.eye, ways, distances, lambda one: one.extinction(wavelength)).astype(np.float32)
 
 
-class CameraInWeather(_OverDistance):
-    """Veils what is far away, and draws the streaks of near drops and flakes.
+class CameraInWeather(_InAir):
+    """Veils what is far away, draws the streaks of near drops and flakes, and changes the ground and the lens.
 
     The light of a surface reaches the camera with the transmission ``exp(-extinction * distance)``; the air adds light
     of the sky for the rest (H. Koschmieder, 1924). The share of the exposure for which a drop covers a pixel is the
@@ -75,54 +82,61 @@ class CameraInWeather(_OverDistance):
     _components = ("VideoCamera",)
     options: ClassVar[Mapping[str, Option]] = {}
     component_instance: VideoCamera
-    not_state = (*_OverDistance.not_state, "_known", "_tables")
 
     def __init__(self, component_instance: Object, kwargs: Options) -> None:
         super().__init__(component_instance, kwargs)
-        self._known: Conditions | None = None
-        self._tables: tuple[float, NDArray[np.uint16], NDArray[np.uint8]] | None = None
+        script: Any = self.component_instance.context.scene.properties.get(PROPERTY, {})
+        # neither changes in a run
+        if any(script.get("first", {}).get(name) for name in ("wet", "snow_cover")):
+            self.use("normals")
 
     def modify_picture(self, picture: Picture, time: float) -> Picture:
         """Return the picture in the present weather."""
         camera = self.component_instance
-        conditions = present(camera.context)
-        if conditions.is_clear or picture.rgba is None:
+        air = present(camera.context)
+        outside = air.outside
+        if picture.rgba is None:
             return picture
-        if self._known != conditions:
-            self._known, self._tables = conditions, _tables(conditions.extinction(VISIBLE))
-        rgba = self._veiled(picture)
-        random = camera.context.random_at(f"{camera.name()}/weather", round(time * 1e6))
-        exposure = float(camera.exposure_time) or _EXPOSURE
-        for drops in drops_of(conditions):
-            _draw(rgba, drops, camera.lens, exposure, random, flakes=drops.reflectance > 0.5)
+        if air.is_clear and not (outside.lens_drops or outside.wet or outside.snow_cover):
+            return picture
+        rgba = picture.rgba.copy()
+        if outside.wet:
+            Ground.of(picture, self.rays(), LEVEL).water(rgba, outside.wet, picture, camera.lens)
+        if outside.snow_cover:
+            Ground.of(picture, self.rays(), SNOWY).snow(rgba, outside.snow_cover)
+        if not air.is_clear:
+            _veil(rgba, self.optical_depth(air, picture, VISIBLE))
+            random = camera.context.random_at(f"{camera.name()}/weather", round(time * 1e6))
+            exposure = float(camera.exposure_time) or _EXPOSURE
+            for drops in drops_of(air.at(picture.eye.tolist())):
+                draw_streaks(rgba, drops, camera.lens, exposure, random, flakes=drops.reflectance > 0.5)
+        if outside.lens_drops:
+            name = f"{camera.name()}/lens"
+            draw_lens_drops(
+                rgba, outside.lens_drops, time, lambda place, turn: camera.context.random_at(f"{name}/{place}", turn)
+            )
         return picture._replace(rgba=rgba)
 
-    def _veiled(self, picture: Picture) -> NDArray[np.uint8]:
-        assert self._tables is not None
-        assert picture.rgba is not None
-        per_metre, levels, mixed = self._tables
-        scaled = self.distances(picture) * np.float32(per_metre)
-        # what has no depth is the sky
-        scaled[(picture.depth <= 0.0) | (scaled > _DISTANCES - 1)] = _DISTANCES - 1
-        place = levels[scaled.astype(np.uint16)]
-        rgba = np.empty_like(picture.rgba)
-        for channel in range(3):
-            rgba[..., channel] = mixed[channel].take(place | picture.rgba[..., channel])
-        rgba[..., 3] = picture.rgba[..., 3]
-        return rgba
+
+def _veil(rgba: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
+    """Mix the codes of pixels with those of the sky, by their optical depth."""
+    levels, mixed = _tables()
+    scaled = np.minimum(depth * np.float32((_STEPS - 1) / _DEEPEST), np.float32(_STEPS - 1))
+    place = levels[scaled.astype(np.uint16)]
+    for channel in range(3):
+        rgba[..., channel] = mixed[channel].take(place | rgba[..., channel])
 
 
-def _tables(extinction: float) -> tuple[float, NDArray[np.uint16], NDArray[np.uint8]]:
-    """Return steps of distance per metre; by step the first place of a row of codes; (3, places) the mixed codes."""
-    farthest = 6.0 / extinction
-    steps = np.arange(_DISTANCES) * (farthest / (_DISTANCES - 1))
-    share = portable.exp(-extinction * steps)
+@lru_cache(1)
+def _tables() -> tuple[NDArray[np.uint16], NDArray[np.uint8]]:
+    """Return by step of the optical depth the first place of a row of codes; (3, places) the mixed codes."""
+    share = portable.exp(-np.arange(_STEPS) * (_DEEPEST / (_STEPS - 1)))
     share[-1] = 0.0
     rows = np.round(share * (_LEVELS - 1)).astype(np.uint16)
     shares = np.arange(_LEVELS)[:, None] / (_LEVELS - 1)
     codes = portable.linear_light(np.arange(256) / 255.0)
-    mixed = np.stack([_codes(shares * codes + (1.0 - shares) * codes[int(sky)]).ravel() for sky in _SKY])
-    return (_DISTANCES - 1) / farthest, (rows << 8).astype(np.uint16), mixed
+    mixed = np.stack([_codes(shares * codes + (1.0 - shares) * codes[int(sky)]).ravel() for sky in SKY])
+    return (rows << 8).astype(np.uint16), mixed
 
 
 def _codes(light: NDArray[np.float64]) -> NDArray[np.uint8]:
@@ -132,44 +146,7 @@ def _codes(light: NDArray[np.float64]) -> NDArray[np.uint8]:
     return np.searchsorted(borders, light).astype(np.uint8)
 
 
-def _draw(
-    rgba: NDArray[np.uint8], drops: Drops, lens: Lens, exposure: float, random: np.random.Generator, *, flakes: bool
-) -> None:
-    """Draw the streaks of the drops in front of a camera."""
-    height, width = rgba.shape[:2]
-    volume = width * height / (lens.fx * lens.fy) * (_FAR**3 - _NEAR**3) / 3.0
-    smallest = 0.0 if flakes else _SMALLEST
-    count = min(int(random.poisson(min(drops.number(smallest) * volume, 1e6))), _MOST)
-    if not count:
-        return
-    # evenly in the volume that the camera sees: the largest of three numbers is the cube root of one
-    depth = np.maximum(_FAR * random.random((3, count)).max(axis=0), _NEAR)
-    diameter = smallest + random.standard_exponential(count) / drops.slope
-    speed = np.full(count, _SPEED_OF_FLAKES)
-    if not flakes:
-        speed = np.interp(diameter, _DIAMETERS, _SPEEDS)
-    x, y = random.random(count) * width, random.random(count) * height
-    length = np.maximum(speed * exposure * lens.fy / depth, 1.0)
-    broad = 0.001 * diameter * lens.fx / depth
-    # the share of the exposure, and of the pixel
-    opacity = np.minimum(0.001 * diameter / (speed * exposure + 0.001 * diameter) * np.minimum(broad, 1.0), 1.0)
-    visible = opacity > 1.0 / 255.0
-    x, y, length, broad, opacity = (values[visible] for values in (x, y, length, broad, opacity))
-    thick = np.clip(np.ceil(broad), 1, 24).astype(int)
-    veil = np.zeros((height, width), np.float32)
-    for left, top, tall, wide, strength in zip(
-        x.astype(int).tolist(), y.astype(int).tolist(), length.astype(int).tolist(), thick.tolist(), opacity.tolist(),
-        strict=True,
-    ):  # fmt: skip
-        part = veil[max(top - tall, 0) : top + 1, left : left + wide]
-        np.maximum(part, strength, out=part)
-    row, column = np.nonzero(veil)
-    share = veil[row, column, None]
-    pixels = rgba[row, column, :3]
-    rgba[row, column, :3] = pixels + (np.array(_SKY, np.float32) - pixels) * share
-
-
-class DepthInWeather(_OverDistance):
+class DepthInWeather(_InAir):
     """A depth camera measures no farther than the meteorological range, where 5 % of the contrast are left."""
 
     _names = ("Weather",)
@@ -178,8 +155,48 @@ class DepthInWeather(_OverDistance):
 
     def modify_picture(self, picture: Picture, time: float) -> Picture:
         """Return the picture without what is too far away."""
-        extinction = present(self.component_instance.context).extinction(VISIBLE)
-        if not extinction:
+        air = present(self.component_instance.context)
+        if air.is_clear:
             return picture
-        is_far = self.distances(picture) * extinction > DEPTH_OF_RANGE
+        is_far = self.optical_depth(air, picture, VISIBLE) > DEPTH_OF_RANGE
         return picture._replace(depth=np.where(is_far, np.float32(0.0), picture.depth))
+
+
+class ThermalInWeather(_InAir):
+    """The air absorbs the radiation of surfaces, and adds its own: that of the temperature of the surroundings.
+
+    Radiation grows as the fourth power of the temperature (Stefan-Boltzmann); the extinction is that at 10 µm.
+    """
+
+    _names = ("Weather",)
+    _components = ("ThermalCamera",)
+    options: ClassVar[Mapping[str, Option]] = {}
+    component_instance: ThermalCamera
+    not_state = (*_InAir.not_state, "_depth")
+
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
+        super().__init__(component_instance, kwargs)
+        self._depth: NDArray[np.float32] | None = None
+
+    def modify_picture(self, picture: Picture, time: float) -> Picture:
+        """Keep the optical depth of the picture."""
+        air = present(self.component_instance.context)
+        self._depth = None if air.is_clear else self.optical_depth(air, picture, THERMAL)
+        return picture
+
+    def modify(self) -> None:
+        """Mix the temperatures of the last picture with that of the air."""
+        depth, self._depth = self._depth, None
+        image = self.data["image"]
+        if depth is None or not np.shape(image):
+            return
+        share = portable.exp(-np.arange(_STEPS) * (_DEEPEST / (_STEPS - 1)))
+        step = np.minimum(depth * np.float32((_STEPS - 1) / _DEEPEST), np.float32(_STEPS - 1)).astype(np.uint16)
+        seen = self.component_instance.ordered(share[step])
+        square, air = (np.asarray(image, np.float64) + _ZERO) ** 2, (self.component_instance._ambient + _ZERO) ** 2
+        power = air * air + seen * (square * square - air * air)
+        self.data["image"] = (np.sqrt(np.sqrt(power)) - _ZERO).astype(np.float32)
+
+
+#: 0 °C, K
+_ZERO = 273.15
