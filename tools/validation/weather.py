@@ -9,7 +9,7 @@ import numpy as np
 from figures import Figure, scene
 
 from morse.plugins.weather.medium import VISIBLE, Conditions, drops_of, falling_speed
-from morse.plugins.weather.radio import attenuation
+from morse.plugins.weather.radio import LIGHT, attenuation, attenuation_of_sound, echo_of_rain
 from morse.plugins.weather.services import outputs, turbulence
 from morse.rendering.textures import LINEAR
 
@@ -50,6 +50,15 @@ def figures() -> Iterator[Figure]:
         radio, loss = attenuation(Conditions(rain=10.0), gigahertz * 1e9), k * 10.0**alpha
         what = f"loss at {gigahertz:g} GHz, dB/km"
         yield Figure("rain of 10 mm/h", what, loss, radio, 0.005, "ITU-R P.838-3, table 5")
+    for rate in (5.0, 25.0):
+        expected = 10.0 * math.log10(math.pi**5 * 0.93 * 200.0 * rate**1.6 * 1e-18 / (LIGHT / 9.4e9) ** 4)
+        echo = 10.0 * math.log10(echo_of_rain(Conditions(rain=rate), 9.4e9))
+        source = "π⁵ |K|² Z / λ⁴, Z = 200 R^1.6; Battan"
+        yield Figure(f"rain of {rate:g} mm/h at 9.4 GHz", "radar echo, dB(m²/m³)", expected, echo, 1.5, source)
+    for frequency, celsius, loss in ((1000.0, 20.0, 5.0), (4000.0, 20.0, 22.9), (2000.0, 10.0, 9.7)):
+        what = f"sound of {frequency:g} Hz at {celsius:g} °C, 70 %"
+        fades = 1000.0 * attenuation_of_sound(frequency, celsius, 0.7)
+        yield Figure(what, "loss, dB/km", loss, fades, 0.3, "ISO 9613-2, table 2")
     (drops,) = drops_of(Conditions(rain=12.0))
     diameters = np.linspace(0.0, 8.0, 4001)
     density = drops.intercept * np.exp(-drops.slope * diameters)

@@ -80,7 +80,7 @@ class Zone:
         for normal, border in self.half_spaces():
             speed = sum(part * way for part, way in zip(normal, ways, strict=True) if part)
             room = border - float(sum(part * place for part, place in zip(normal, start.tolist(), strict=True)))
-            with np.errstate(divide="ignore", invalid="ignore"):
+            with np.errstate(all="ignore"):
                 there = np.divide(room, speed)
             outward = speed > 0.0
             np.minimum(leave, there, out=leave, where=outward)
