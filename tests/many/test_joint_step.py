@@ -1,5 +1,6 @@
 """Rows in which motors and the engine alone move something have the bits of single simulations."""
 
+import math
 import os
 import sys
 from functools import partial
@@ -16,6 +17,7 @@ from tests.kit.effort import examples
 from tests.kit.programs import python
 
 MODEL = Path(__file__).parent / "spider.xml"
+PICKER = Path(__file__).parents[2] / "examples" / "joints" / "picker.urdf"
 #: where programs of these tests find this module
 PATHS = os.pathsep.join([str(MODEL.parent), str(MODEL.parents[2]), *sys.path])
 JOINTS = ("hip_a", "knee_a", "hip_b", "knee_b", "hip_c", "knee_c")
@@ -28,11 +30,11 @@ FIELDS = {
 PLACES = [(0.0, 0.0, 0.0), (0.6, 0.5, 2.0), (-0.4, -0.5, 0.4, 0.3, 0.2, 1.0)]
 
 
-def meadow(control):
+def meadow(control, model=MODEL):
     """A robot with three legs between walls, with sensors that are mounted apart."""
     from morse.builder import IMU, Armature, ArmaturePose, Environment, Odometry, Pose, Robot, Sick
 
-    robot = Robot(str(MODEL), name="robot")
+    robot = Robot(str(model), name="robot")
     legs, laser, pose = Armature("legs", armature_name="spider_joints"), Sick("laser"), Pose("pose")
     imu = IMU("imu")
     imu.translate(0.0, 0.1, 0.0)
@@ -148,6 +150,79 @@ def test_rows_are_stepped_together():
         simulation = many[2]
         assert stepped_alone(many) == [2], "somebody may look at it, or give it commands"
         assert simulation.ticks == 5
+
+
+def bowling(model):
+    """The robot, and a ball that falls on it."""
+    from morse.builder import Sphere
+
+    meadow("effort", model)
+    ball = Sphere("ball")
+    ball.scale = (0.08, 0.08, 0.08)
+    ball.translate(0.05, 0.0, 0.9)
+    ball.set_rigid_body()
+    ball.set_mass(0.4)
+
+
+@pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
+def test_objects_that_roll_have_the_bits_of_a_simulation_alone(cone, tmp_path):
+    model = tmp_path / "spider.xml"
+    model.write_text(MODEL.read_text().replace("<option ", f'<option cone="{cone}" '))
+    scene = partial(bowling, model)
+    with morse.batch(scene, 2, seed=4) as many, morse.load(scene, seed=4) as sim:
+        legs, pose = many.command("robot.legs"), many.read("robot.pose", "x", "z", "roll", "yaw")
+        angles, by_themselves, ball = many.read("robot.legs.angles", *JOINTS), [], sim.world.game_object("ball")
+        for number in range(60):
+            command = [0.8 * (-1.0) ** (number // 7)] * 6
+            legs[:] = command
+            by_themselves.append(stepped_alone(many))
+            sim.robot.legs.publish(dict(zip(JOINTS, command, strict=True)))
+            sim.step(1, measure=True)
+            assert (pose[0] == [sim.robot.pose.data[name] for name in ("x", "z", "roll", "yaw")]).all()
+            assert (angles[0] == [sim.robot.legs.angles.data[name] for name in JOINTS]).all()
+        assert many.save(0)[0].hash() == sim.state_hash()
+        assert math.dist(ball.world_pose()[0], (0.05, 0.0, 0.9)) > 0.3
+        # in the model of friction of elliptic cones, objects that slide have contacts that change within a tick
+        assert bool(by_themselves[30]) == (cone == "elliptic")
+        assert not by_themselves[1]
+
+
+def bench():
+    """An arm from a URDF file."""
+    from morse.builder import Armature, ArmaturePose, Environment, Pose, Robot
+
+    picker = Robot(str(PICKER), name="picker")
+    arm = Armature("arm", armature_name="picker_joints")
+    picker.append(arm)
+    arm.append(ArmaturePose("angles"))
+    picker.append(Pose("hand"), "hand")
+    Environment("empty")
+
+
+def test_arms_of_urdf_files_go_together_too():
+    fields = ("turn", "shoulder", "elbow")
+    with morse.batch(bench, 3, seed=4) as many, morse.load(bench, seed=5) as sim:
+        arm, angles = many.command("picker.arm", *fields), many.read("picker.arm.angles", *fields)
+        hand = many.read("picker.hand")
+        for goal in (0.4, -0.2, 0.9):
+            arm[:] = [goal, 0.5 * goal, -goal]
+            for _ in range(10):
+                assert stepped_alone(many) == []
+            sim.picker.arm.publish(dict(zip(fields, arm[1].tolist(), strict=True)))
+            sim.step(9)
+            sim.step(1, measure=True)
+            assert (angles[1] == [sim.picker.arm.angles.data[name] for name in fields]).all()
+            assert (hand[1] == list(sim.picker.hand.data.values())).all()
+        assert many.save(1)[0].hash() == sim.state_hash()
+
+
+def test_a_single_row_goes_on_in_the_kernel():
+    with morse.batch(partial(meadow, "effort"), 1) as many:
+        legs, pose = many.command("robot.legs"), many.read("robot.pose", "z")
+        legs[:] = 0.5
+        before = pose.copy()
+        assert stepped_alone(many) == []
+        assert pose[0] != before[0]
 
 
 def test_a_row_that_diverges_is_left_to_its_simulation():

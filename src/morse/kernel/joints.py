@@ -26,6 +26,9 @@ class _RowsStructure(ctypes.Structure):
         ("kinds", c_int64),
         ("most", c_void_p),
         *((name, c_double) for name in ("farthest", "fastest")),
+        ("most_objects", c_int64),
+        ("objects", c_void_p),
+        ("slip", c_double),
         *((name, c_void_p) for name in ("going", "missed", "last", "ticks", "rates", "origins", "times")),
         *((name, c_int64) for name in ("groups", "most_free")),
         *((name, c_void_p) for name in ("free_groups", "free_places", "alone", "at", "turned", "lowest")),
@@ -76,8 +79,10 @@ class JointRows:
     Args:
         rows: N.
         groups: number of rigid groups, K.
-        free: largest number of free bodies of a row, F.
-        limits: of the norms of all positions and of all speeds, beyond which a row is removed.
+        free, objects: largest numbers of free bodies of a row, F, and of those whose contacts change while they slide,
+            M.
+        limits: of the norms of all positions and of all speeds, beyond which a row is removed; and the speed of an
+            object that slides, m/s.
         functions: addresses of ``mju_normalize4`` and ``mju_quat2Mat``.
 
     Attributes:
@@ -85,7 +90,8 @@ class JointRows:
             itself has to deal with.
         before: (N, size) states before the last call.
         positions, rotations: (N, K, 3) m, (N, K, 9) poses of the groups.
-        free_groups, free_places: (N, F) the free bodies of a row, and their positions in a state; -1 for none.
+        free_groups, free_places: (N, F) the free bodies of a row, and their positions in the engine; -1 for none.
+        objects: (N, M) numbers in a state: the speeds of objects that may slide; -1 for none.
         alone: (N,) whether `settle` computes the poses of these.
         most, lowest: (N,) limits of the number of contacts, and of the height of free bodies, m.
         missed, last: (N,) ticks before the last call, and those of it.
@@ -94,17 +100,25 @@ class JointRows:
     """
 
     def __init__(
-        self, rows: int, groups: int, free: int, sizes: Sizes, limits: tuple[float, float], functions: tuple[int, int]
+        self,
+        rows: int,
+        groups: int,
+        free: int,
+        objects: int,
+        sizes: Sizes,
+        limits: tuple[float, float, float],
+        functions: tuple[int, int],
     ) -> None:
         self.sizes = sizes
         self.going, self.alone = np.zeros(rows, bool), np.zeros(rows, bool)
         self.before = np.zeros((rows, sizes.size))
         self.positions, self.rotations = np.zeros((rows, groups, 3)), np.zeros((rows, groups, 9))
         self.free_groups, self.free_places = (np.full((rows, free), -1, np.int64) for _ in range(2))
+        self.objects = np.full((rows, objects), -1, np.int64)
         self.most, self.missed, self.last, self.ticks = (np.zeros(rows, np.int64) for _ in range(4))
         self.lowest, self.origins, self.times = (np.zeros(rows) for _ in range(3))
         self.rates = np.ones(rows)
-        farthest, fastest = limits
+        farthest, fastest, slip = limits
         self._all = _RowsStructure(
             rows=rows,
             size=sizes.size,
@@ -117,6 +131,9 @@ class JointRows:
             most=address(self.most),
             farthest=farthest**2,
             fastest=fastest**2,
+            most_objects=objects,
+            objects=address(self.objects),
+            slip=slip,
             going=address(self.going),
             missed=address(self.missed),
             last=address(self.last),
@@ -144,8 +161,8 @@ class JointRows:
             kernel.morse_joints_settle,
         )
         self._begin.argtypes, self._begin.restype = (c_void_p, c_int64), None
-        self._check.argtypes, self._check.restype = (c_void_p,), c_int64
-        self._settle.argtypes, self._settle.restype = (c_void_p, c_int64), c_int64
+        self._check.argtypes = self._settle.argtypes = (c_void_p, c_int64)
+        self._check.restype = self._settle.restype = None
 
     def use(self, state: NDArray[np.float64], contacts: NDArray[np.int32], warnings: NDArray[np.int32]) -> None:
         """Use arrays of the engine: (N, size) the present states, (N,), (N, W, 2)."""
@@ -154,16 +171,16 @@ class JointRows:
         self._all.kinds = warnings.shape[1]
 
     def begin(self, ticks: int) -> None:
-        """Begin a call of some ticks: keep the states from before it."""
+        """Begin a call of some ticks: keep the states from before it; rows in which an object slides are removed."""
         self._begin(self.place, ticks)
 
-    def check(self) -> bool:
-        """Look at the states after a tick; return whether rows were removed."""
-        return bool(self._check(self.place))
+    def check(self, *, is_last: bool) -> None:
+        """Look at the states after a tick of a call; rows that the world itself has to deal with are removed."""
+        self._check(self.place, is_last)
 
-    def settle(self, ticks: int) -> bool:
-        """End a call: compute poses and times; return whether rows were removed."""
-        return bool(self._settle(self.place, ticks))
+    def settle(self, ticks: int) -> None:
+        """End a call: compute poses and times; rows in which a free body has left the world are removed."""
+        self._settle(self.place, ticks)
 
 
 class Motors:

@@ -134,10 +134,10 @@ class JointStep:
         for column, numbers in told:
             if len(numbers):
                 self._drives[column.name].tell(column, numbers)
-        for _ in range(ticks):
+        for left in range(ticks - 1, -1, -1):
             for one in motors:
                 one.act()
-            engine.run()
+            engine.run(is_last=not left)
         engine.place(ticks)
         rows = np.flatnonzero(going)
         if len(rows) < self.count:

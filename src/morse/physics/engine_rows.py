@@ -24,6 +24,7 @@ from morse.physics.model.layout import Motion
 from morse.physics.model.placement import lowest_shape
 from morse.physics.poses import kinematics
 from morse.physics.poses.convert import RUNAWAY_DISTANCE, RUNAWAY_SPEED
+from morse.physics.state.engine_state import SLIP
 from morse.physics.state.engine_values import STATE
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 _BELOW = 5.0
 #: share of the limits of positions and speeds; beyond it, the world itself finds out which body diverges
 _NEAR = 0.5
-_LIMITS = _NEAR * RUNAWAY_DISTANCE, _NEAR * RUNAWAY_SPEED
+_LIMITS = _NEAR * RUNAWAY_DISTANCE, _NEAR * RUNAWAY_SPEED, SLIP
 
 
 _RESTING_AT_FORK: WeakSet[EngineRows] = WeakSet()
@@ -83,8 +84,9 @@ class EngineRows:
 
     def __init__(self, world: World, rows: int) -> None:
         self._models = [world.model] * rows
-        batch, free = Batch(world.model, rows, threads.count()), len(_free_of(world))
-        self.kernel = JointRows(rows, len(world.positions), free, _sizes(batch), _LIMITS, _functions())
+        batch, groups, free = Batch(world.model, rows, threads.count()), len(world.positions), len(_free_of(world))
+        objects = len(world.sliding.dofs)
+        self.kernel = JointRows(rows, groups, free, objects, _sizes(batch), _LIMITS, _functions())
         self.positions, self.rotations = self.kernel.positions, self.kernel.rotations
         self._take(batch)
         #: while the engine rests
@@ -145,7 +147,10 @@ class EngineRows:
         """Use another world, or another model of it; return whether its sizes are those of the others."""
         kernel, model, before, free = self.kernel, world.model, self._models[row], _free_of(world)
         self._worlds[row], self._poses[row] = world, ()
+        objects = world.sliding.dofs[:, 0] if world.sliding.has_objects else []
         if len(world.positions) != self.positions.shape[1] or len(free) > kernel.free_groups.shape[1]:
+            return False
+        if len(objects) > kernel.objects.shape[1]:
             return False
         self._models[row] = model
         try:
@@ -170,6 +175,8 @@ class EngineRows:
         kernel.free_groups[row], kernel.free_places[row] = -1, -1
         for number, (group, place) in enumerate(free):
             kernel.free_groups[row, number], kernel.free_places[row, number] = group, place
+        kernel.objects[row] = -1
+        kernel.objects[row, : len(objects)] = np.add(objects, kernel.sizes.speeds)
         kernel.most[row], kernel.lowest[row] = world.most_contacts, lowest_shape(world)[0] - _BELOW
         return True
 
@@ -181,8 +188,8 @@ class EngineRows:
             self._has_news = False
         self.kernel.begin(ticks)
 
-    def run(self) -> None:
-        """Run a tick of the rows ``kernel.going``.
+    def run(self, *, is_last: bool) -> None:
+        """Run a tick of the rows ``kernel.going``, the last one of a call or another.
 
         Those in which something has happened that the world itself has to deal with are removed from them.
         """
@@ -199,7 +206,7 @@ class EngineRows:
                     batch.warning[chosen, 0, 1] += batch.status[chosen] != 0
         finally:
             self._is_busy = False
-        self.kernel.check()
+        self.kernel.check(is_last=is_last)
 
     def read(self, row: int, groups: Iterable[int] | None) -> None:
         """Say which poses of a row are needed.

@@ -84,13 +84,13 @@ class Steps:
 
     @property
     def are_plain(self) -> bool:
-        """Whether the next ticks are the same steps of the engine, whatever it moves."""
+        """Whether the next ticks are the same steps of the engine, whatever it moves, as long as no object slides."""
         state, gliding = self._state, self._gliding
         return not (
             gliding.glides
             or state.has_forces
             or state.touched
-            or state.changes
+            or any(change.may_begin() for change in state.changes)
             or self._unstable is not None
             or self._may_sleep
             # their vertices are read by the world

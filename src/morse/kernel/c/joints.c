@@ -15,6 +15,9 @@ typedef struct {
     int64_t kinds;                                    // W
     const int64_t *most;                              // (N) numbers of contacts
     double farthest, fastest;                         // squares of the limits of all positions and speeds
+    int64_t most_objects;                             // M
+    const int64_t *objects;                           // (N, M) speeds of objects in a state; -1 for none
+    double slip;                                      // m/s, above which an object slides
     uint8_t *going;                                   // (N) rows that take part; those that have to stop are removed
     int64_t *missed, *last;                           // (N) ticks before the last call, and those of it
     const int64_t *ticks;                             // (N) ticks before these
@@ -50,17 +53,30 @@ MORSE_EXPORT void morse_joints_keep(const Rows *all, const Motors *motors);
 MORSE_EXPORT void morse_joints_tell(const Rows *all, const Motors *motors, const int64_t *rows, int64_t count,
                                     const int64_t *fields, int64_t width, const double *values);
 MORSE_EXPORT void morse_joints_act(const Rows *all, const Motors *motors);
-MORSE_EXPORT int64_t morse_joints_check(const Rows *all);
-MORSE_EXPORT int64_t morse_joints_settle(const Rows *all, int64_t ticks);
+MORSE_EXPORT void morse_joints_check(const Rows *all, int64_t is_last);
+MORSE_EXPORT void morse_joints_settle(const Rows *all, int64_t ticks);
 MORSE_EXPORT void morse_joints_gather(const Rows *all, const Gathered *gathered);
 
-// Begins a call of some ticks.
+// Whether an object slides in the next tick, which changes its contacts.
+static int slides(const Rows *all, int64_t row) {
+    const int64_t *objects = all->objects + row * all->most_objects;
+    for (int64_t k = 0; k < all->most_objects && objects[k] >= 0; k++) {
+        const double *speed = all->state + row * all->size + objects[k];
+        for (int axis = 0; axis < 3; axis++) {
+            if (fabs(speed[axis]) > all->slip) return 1;
+        }
+    }
+    return 0;
+}
+
+// Begins a call of some ticks. Rows in which an object slides are removed.
 void morse_joints_begin(const Rows *all, int64_t ticks) {
     for (int64_t i = 0; i < all->rows; i++) {
         if (!all->going[i]) continue;
         all->missed[i] += all->last[i];
         all->last[i] = ticks;
         memcpy(all->before + i * all->size, all->state + i * all->size, (size_t)all->size * sizeof(double));
+        all->going[i] = (uint8_t)!slides(all, i);
     }
 }
 
@@ -121,9 +137,9 @@ static double squares(const double *numbers, int64_t count) {
     return sum;
 }
 
-// Removes the rows in which something has happened that the world itself has to deal with; returns their number.
-int64_t morse_joints_check(const Rows *all) {
-    int64_t removed = 0;
+// Removes the rows in which something has happened that the world itself has to deal with, in this tick or, unless it
+// is the last one, in the next.
+void morse_joints_check(const Rows *all, int64_t is_last) {
     for (int64_t i = 0; i < all->rows; i++) {
         int32_t *warnings = all->warnings + 2 * i * all->kinds;
         int fine = 1;
@@ -135,16 +151,14 @@ int64_t morse_joints_check(const Rows *all) {
         fine &= squares(state + all->speeds, all->dofs) < all->fastest;
         fine &= squares(state + all->positions, all->places) < all->farthest;
         fine &= all->contacts[i] <= all->most[i];
+        fine &= is_last || !slides(all, i);
         all->going[i] = (uint8_t)fine;
-        removed += !fine;
     }
-    return removed;
 }
 
 // Ends a call: computes the poses of the free bodies and the times. Rows in which one of these has fallen out of its
-// world are removed; returns their number.
-int64_t morse_joints_settle(const Rows *all, int64_t ticks) {
-    int64_t removed = 0;
+// world are removed.
+void morse_joints_settle(const Rows *all, int64_t ticks) {
     for (int64_t i = 0; i < all->rows; i++) {
         if (!all->going[i]) continue;
         for (int64_t k = 0; k < all->most_free; k++) {
@@ -162,10 +176,8 @@ int64_t morse_joints_settle(const Rows *all, int64_t ticks) {
             }
             if (!(at[2] >= all->lowest[i])) all->going[i] = 0;
         }
-        removed += !all->going[i];
         all->times[i] = all->origins[i] + (double)(all->ticks[i] + all->missed[i] + ticks) / all->rates[i];
     }
-    return removed;
 }
 
 // Copies numbers of the states.

@@ -171,8 +171,9 @@ def _compile(scene: Scene) -> Compiled:
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     if not as_in_files:
         _make_bodies_independent(model)
-    if np.any(model.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)):
-        # the engine cannot wake what two tendons couple, and ends with an error
+    # the engine cannot wake what two tendons couple, and ends with an error; and where nothing may sleep, a batch steps
+    # the states of all rows in one call, with the same bits
+    if np.any(model.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)) or (model.ntree and not _may_sleep(model)):
         model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
@@ -218,6 +219,12 @@ def _steps(settings: Settings, frames: Sequence[Frame], of_files: Sequence[float
         limits.append(BOUNCING_STEP if bounces else MAX_STEP)
     least = 1 if as_in_files else settings.physics_steps
     return max(least, math.ceil(1.0 / settings.frequency / min(limits) - 1e-9))
+
+
+def _may_sleep(model: mujoco.MjModel) -> bool:
+    """Whether a tree of bodies may fall asleep: none of those that motors move."""
+    never = mujoco.mjtSleepPolicy.mjSLEEP_AUTO_NEVER, mujoco.mjtSleepPolicy.mjSLEEP_NEVER
+    return not np.isin(model.tree_sleep_policy, [int(policy) for policy in never]).all()
 
 
 def _make_bodies_independent(model: mujoco.MjModel) -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 #: m/s; beyond the second one, bodies have diverged
-_SLIP = 0.25
+SLIP = 0.25
 _DIVERGED = 1e6
 #: contacts with a larger time constant, in steps, are soft on purpose
 _STIFF = 3.0
@@ -44,6 +44,9 @@ class Sliding:
 
     Args:
         slots: the objects of the model.
+
+    Attributes:
+        dofs: (M, 3) numbers of their linear speeds in the engine.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, slots: Iterable[Slot]) -> None:
@@ -51,7 +54,7 @@ class Sliding:
         objects = [slot for slot in slots if slot.frame.motion is Motion.FREE and slot.frame.robot is None]
         free = [slot.body for slot in objects if slot.body > 0]
         self._bodies = np.array([body for body in free if model.body_dofnum[body] == 6], dtype=np.intp)
-        self._dofs = model.body_dofadr[self._bodies][:, None] + np.arange(3)
+        self.dofs = model.body_dofadr[self._bodies][:, None] + np.arange(3)
         elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
         self.has_objects = bool(len(self._bodies)) and bool(elliptic)
         self._slides = np.zeros(model.nbody, dtype=bool)
@@ -61,12 +64,17 @@ class Sliding:
 
     def begin(self) -> None:
         """Note at the beginning of a tick which objects slide: each for itself, whatever the others do."""
-        if not self.has_objects:
-            return
-        fast = np.abs(self._data.qvel[self._dofs]).max(axis=1) > _SLIP
+        fast = self._fast()
         self.is_needed = bool(fast.any())
         if self.is_needed:
             self._slides[self._bodies] = fast
+
+    def may_begin(self) -> bool:
+        """Whether objects slide now."""
+        return bool(self._fast().any())
+
+    def _fast(self) -> NDArray[np.bool_]:
+        return np.asarray(np.abs(self._data.qvel[self.dofs]).max(axis=1) > SLIP)
 
     def change(self) -> None:
         """Limit the change of the slip that the contacts of sliding objects ask for."""
@@ -80,7 +88,7 @@ class Sliding:
         # bodies that diverge are dealt with elsewhere
         near, along, across = (np.clip(data.efc_vel[first + row], -_DIVERGED, _DIVERGED) for row in range(3))
         slip = np.sqrt(along * along + across * across)
-        share = np.minimum(1.0, (_SLIP + np.abs(near)) / np.maximum(slip, _SLIP))
+        share = np.minimum(1.0, (SLIP + np.abs(near)) / np.maximum(slip, SLIP))
         data.efc_aref[first + 1] *= share
         data.efc_aref[first + 2] *= share
 
@@ -173,6 +181,10 @@ class WheelFriction:
         if self.has_wheels:
             self.is_needed = bool((np.abs(self._data.qvel[self._turns]) > _TURNS).any())
 
+    def may_begin(self) -> bool:
+        """Always: wheels begin to turn within a tick."""
+        return True
+
     def change(self) -> None:
         """Correct what the normals of wheels that slide ask for in this step."""
         model, data, contact = self._model, self._data, self._data.contact
@@ -219,6 +231,10 @@ class Impacts:
 
     def begin(self) -> None:
         """Shapes that bounce do so in all ticks."""
+
+    def may_begin(self) -> bool:
+        """Always: who touches what is known within the tick."""
+        return True
 
     def change(self) -> None:
         """Set what the contacts of shapes that bounce ask for in this step."""
@@ -291,6 +307,9 @@ class Change(Protocol):
 
     def begin(self) -> None:
         """Find out at the beginning of a tick whether it `is_needed`."""
+
+    def may_begin(self) -> bool:
+        """Whether it may be needed in a tick that begins now."""
 
     def change(self) -> None:
         """Change the contacts of this step."""
