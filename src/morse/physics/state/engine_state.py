@@ -116,6 +116,10 @@ class SurfaceMotion:
     def begin(self) -> None:
         """The tick begins: what moves is known."""
 
+    def may_begin(self) -> bool:
+        """Always: they move in the tick for which they are set."""
+        return True
+
     def change(self) -> None:
         """Measure the slip of contacts from the moving surfaces."""
         data, contact = self._data, self._data.contact
