@@ -17,6 +17,7 @@ import pytest
 
 import morse
 from morse.eyes.geoms import GeomArray
+from morse.eyes.light import ShadowMaps
 from morse.eyes.renderer import three_geoms
 from morse.kernel.drawing.native import NativeDrawer
 
@@ -859,6 +860,44 @@ def test_only_surfaces_before_a_directional_light_cast_its_shadows() -> None:
     assert (ids[floor, [70, 130]] == 0).all()
     assert picture[floor, 70, 0] > 180
     assert picture[floor, 130, 0] < 10
+
+
+@pytest.mark.parametrize("directional", ["true", "false"])
+@pytest.mark.parametrize("height", [0.5, 1.4, 3.0])
+def test_maps_around_what_casts_shadows_have_the_shadows_of_whole_maps(
+    directional: str, height: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    balls = "".join(f'<geom size=".1" pos="{x} {y} {height + x * y}"/>' for x in (-0.6, 0.2) for y in (-0.4, 0.5))
+    body = (
+        f'<light pos=".3 -.2 2" dir="-.1 .2 -1" directional="{directional}" cutoff="60" exponent="0"/>{balls}'
+        '<geom type="plane" size="2 2 .02"/><camera name="side" pos="0 -3 2" xyaxes="1 0 0 0 .6 1"/>'
+    )
+    xml = _world(body, visual=_DARK)
+    around = _picture(xml, camera="side", size=150)
+    whole = ShadowMaps.map_of
+
+    def of_everything(self: ShadowMaps, *given: Any) -> Any:
+        return whole(self, *given[:-2], None, given[-1])
+
+    monkeypatch.setattr(ShadowMaps, "map_of", of_everything)
+    apart = np.abs(_picture(xml, camera="side", size=150) - around)
+    assert (apart > 1).mean() < 5e-4
+    dark = np.abs(_picture(xml, camera="side", size=150, prepare=lambda r: r.scene.flags.__setitem__(0, 0)) - around)
+    # balls above the lamp cast none
+    assert ((dark > 20).mean() > 1e-3) == (height < 2)
+
+
+def test_planes_cast_shadows_on_what_is_below_them() -> None:
+    light = '<light pos="0 0 2" dir="0 0 -1" directional="true"/>'
+    table = '<geom type="plane" size=".5 .5 .02" pos="0 0 1"/>'
+    ball = '<geom size=".2"/><geom size=".1" pos="0 0 1.5"/><camera name="side" pos="0 -3 1.6" xyaxes="1 0 0 0 .5 1"/>'
+    shown = [
+        _picture(_world(light + ball + one, visual=_DARK), camera="side", size=150)[:, 75].max(axis=1)
+        for one in ("", table)
+    ]
+    below = slice(66, 95)
+    assert shown[0][below].max() > 60
+    assert shown[1][below].max() < 5
 
 
 @pytest.mark.parametrize("shape", ['type="sphere" size=".5"', 'type="box" size=".5 .5 .5"'])

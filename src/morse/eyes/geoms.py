@@ -111,7 +111,7 @@ class Instances(NamedTuple):
         parts: (P, 4) of all instances.
         owner: (P,) the instance of each part.
         infinite: numbers of the geoms that are infinite planes.
-        lines: the instances that are lines.
+        endless, free, lines: the instances that are infinite planes, skins and flexes, and lines.
         ids: (I, 2) int32, id and type of the object of each instance; -1 for no object.
         opacity: (N,) of the geoms.
     """
@@ -126,6 +126,8 @@ class Instances(NamedTuple):
     parts: NDArray[np.int32]
     owner: NDArray[np.intp]
     infinite: NDArray[np.intp]
+    endless: NDArray[np.intp]
+    free: NDArray[np.intp]
     lines: NDArray[np.intp]
     ids: NDArray[np.int32]
     opacity: NDArray[np.float32]
@@ -148,12 +150,12 @@ class Instances(NamedTuple):
         """
         rotation, places = g["mat"].reshape(-1, 3, 3)[self.geoms], g["pos"][self.geoms]
         # the vertices of skins and flexes are those in the world
-        free = np.isin(g["type"][self.geoms], (SKIN, FLEX))
-        rotation[free], places[free] = np.eye(3), 0.0
+        if len(self.free):
+            rotation[self.free], places[self.free] = np.eye(3), 0.0
         scales, offsets = self.scales, self.offsets
         if len(self.infinite):
             scales = scales.copy()
-            for number in np.flatnonzero(np.isin(self.geoms, self.infinite)):
+            for number in self.endless:
                 # MuJoCo moves them with the camera, so that their textures stay
                 geom, row = g[self.geoms[number]], self.rows[self.geoms[number]]
                 for axis in range(2):
@@ -191,7 +193,14 @@ def _textures(g: NDArray[np.void], count: int) -> NDArray[np.int32]:
 
 def looks_of(g: NDArray[np.void]) -> bytes:
     """All that the instances of geoms depend on."""
-    return b"".join(g[name].tobytes() for name in _LOOKS if name in (g.dtype.names or ()))
+    return g.view(np.uint8).reshape(len(g), g.itemsize).take(_bytes_of_looks(g.dtype), axis=1).tobytes()
+
+
+@lru_cache(maxsize=1)
+def _bytes_of_looks(layout: np.dtype[np.void]) -> NDArray[np.intp]:
+    """Where the bytes of `_LOOKS` are in a geom."""
+    fields = [layout.fields[name] for name in _LOOKS if name in (layout.fields or ())]  # type: ignore[index]
+    return np.concatenate([np.arange(at[1], at[1] + at[0].itemsize) for at in fields])
 
 
 #: the parts of types of geoms: name of the shape, which of the three sizes scale x, y and z, and the factor of the
@@ -345,6 +354,8 @@ def instances_of(
         table,
         owner,
         infinite,
+        np.flatnonzero(np.isin(geoms, infinite)),
+        np.flatnonzero(np.isin(g["type"][geoms], (SKIN, FLEX))),
         np.flatnonzero(g["type"][geoms] == LINE),
         ids.reshape(-1, 2),
         g["rgba"][:, 3].copy(),

@@ -22,6 +22,7 @@ from morse.kernel.drawing.arrays import (
 )
 from morse.kernel.memory import address
 from morse.mathutils.portable import matmul
+from morse.mathutils.rotations import cross
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -67,18 +68,15 @@ def lights_of(scene: Any) -> list[Lit]:
         kind = int(getattr(light, "type", _DIRECTIONAL if getattr(light, "directional", 0) else _SPOT))
         if kind == _IMAGE:
             continue
-        place, towards, *colors = (
-            np.array(getattr(light, name), np.float64)
-            for name in ("pos", "dir", "ambient", "diffuse", "specular", "attenuation")
+        values = np.array(
+            (light.pos, light.dir, light.ambient, light.diffuse, light.specular, light.attenuation), np.float64
         )
+        place, towards, ambient, diffuse, specular, attenuation = values
         length = math.sqrt(float((towards**2).sum()))
-        if not all(np.isfinite(value).all() for value in (place, towards, *colors)) or (
-            length < 1e-9 and kind != _POINT
-        ):
+        if not np.isfinite(values).all() or (length < 1e-9 and kind != _POINT):
             continue
         directional = bool(light.headlight) or kind == _DIRECTIONAL
         cutoff = math.pi if kind == _POINT or light.cutoff > 90 else math.radians(light.cutoff)
-        ambient, diffuse, specular, attenuation = colors
         lights.append(
             Lit(
                 place,
@@ -115,6 +113,7 @@ class ShadowMaps:
         parts: NDArray[np.int32],
         poses: Poses,
         seen: NDArray[np.float64],
+        casters: NDArray[np.float64] | None,
         scale: float,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
         """Return the frame (16,) and the map of a light, see `Light`; None if it casts no shadows that are seen.
@@ -123,9 +122,12 @@ class ShadowMaps:
             number: of the map, which is kept.
             parts: (P, 4) the parts that cast shadows.
             seen: (8, 3) corners around the visible surfaces, m.
+            casters: (C, 4) spheres around what casts shadows, centre and radius, m: the map ends around them; None if
+                they may be anywhere.
             scale: share of the cone of a light that has shadows; for directional lights, half the width of the map, m.
         """
-        key = light.place.tobytes(), light.towards.tobytes(), light.cutoff, seen.tobytes(), scale
+        around = b"" if casters is None else casters.tobytes()
+        key = light.place.tobytes(), light.towards.tobytes(), light.cutoff, seen.tobytes(), scale, around
         kept = self._maps[number] if number < len(self._maps) else None
         same = (key, parts.tobytes(), poses.models.tobytes())
         if kept is not None and kept[0] == same:
@@ -133,14 +135,20 @@ class ShadowMaps:
         before = drawer.drawing.parts
         drawer.arrange(parts)
         draw = self._from_afar if light.directional else self._from_near
-        drawn = draw(light, drawer, poses, seen, scale)
+        drawn = draw(light, drawer, poses, seen, casters, scale)
         drawer.arrange(before)
         if drawn is not None:
             self._maps[number : number + 1] = [(same, *drawn)]
         return drawn
 
     def _from_afar(
-        self, light: Lit, drawer: NativeDrawer, poses: Poses, seen: NDArray[np.float64], scale: float
+        self,
+        light: Lit,
+        drawer: NativeDrawer,
+        poses: Poses,
+        seen: NDArray[np.float64],
+        casters: NDArray[np.float64] | None,
+        scale: float,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
         axes = _axes_of(light.towards)
         # the part of the map of MuJoCo, around the light, that is seen
@@ -149,6 +157,11 @@ class ShadowMaps:
         if not (high > low).all():
             return None
         texel = float((high - low).max()) / (self._texels - 2 * _BORDER)
+        if casters is not None:
+            middles = matmul(casters[:, :3] - light.place, axes[:2].T)
+            low, high = _within(low, high, middles - casters[:, 3:], middles + casters[:, 3:], texel)
+            if not (high > low).all():
+                return None
         frame = np.zeros(16)
         frame[:12] = np.column_stack([axes, np.zeros(3)]).ravel()
         for row in range(2):
@@ -163,7 +176,13 @@ class ShadowMaps:
         return own.sun, shadow
 
     def _from_near(
-        self, light: Lit, drawer: NativeDrawer, poses: Poses, seen: NDArray[np.float64], scale: float
+        self,
+        light: Lit,
+        drawer: NativeDrawer,
+        poses: Poses,
+        seen: NDArray[np.float64],
+        casters: NDArray[np.float64] | None,
+        scale: float,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
         angle = light.cutoff * scale
         if angle > _WIDEST:
@@ -179,6 +198,20 @@ class ShadowMaps:
         if not (high > low).all():
             return None
         focal = (self._texels - 2 * _BORDER) / float((high - low).max())
+        if casters is not None:
+            middles, reach = matmul(casters[:, :3] - light.place, axes.T), casters[:, 3:]
+            near, far = middles[:, 2:] - reach, middles[:, 2:] + reach
+            ahead = (far > 0.0)[:, 0]
+            if (near[ahead] > 1e-3).all():
+                left, right = middles[ahead, :2] - reach[ahead], middles[ahead, :2] + reach[ahead]
+                # the nearer end of a sphere is farther from the axis
+                left, right = (
+                    side / np.where(sign * side > 0.0, near[ahead], far[ahead])
+                    for side, sign in ((left, -1.0), (right, 1.0))
+                )
+                low, high = _within(low, high, left, right, 1 / focal)
+            if not (high > low).all():
+                return None
         width, height = (min(int(side * focal) + 2 * _BORDER + 1, self._texels) for side in high - low)
         cx, cy = _BORDER - low * focal
         camera = np.zeros(1, CAMERA)
@@ -188,7 +221,7 @@ class ShadowMaps:
         camera["near"], camera["far"] = 0.01, 1e4
         camera["axes"], camera["eye"], camera["exposure"] = axes.ravel(), light.place, 1.0
         depth = drawer.draw(camera, poses, NO_LIGHT, 1).depth
-        shadow = np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).astype(np.float32).reshape(height, width)
+        shadow = np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).reshape(height, width)
         matrix = matmul(np.array([[focal, 0, cx], [0, focal, cy], [0, 0, 1.0]]), axes)
         frame = np.zeros(16)
         frame[:12] = np.column_stack([matrix, matmul(-matrix, light.place)]).ravel()
@@ -196,11 +229,27 @@ class ShadowMaps:
         return frame.astype(np.float32), shadow
 
 
+def _within(
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    lows: NDArray[np.float64],
+    highs: NDArray[np.float64],
+    texel: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The part of a map that is around some rectangles (C, 2), and the distance of whole texels from its first one."""
+    if not len(lows):
+        return high, low
+    first = np.maximum(low, low + np.floor((lows.min(axis=0) - low) / texel) * texel)
+    return first, np.minimum(high, highs.max(axis=0) + texel)
+
+
 def _axes_of(towards: NDArray[np.float64]) -> NDArray[np.float64]:
     """(3, 3) rows: two directions perpendicular to the light, and that towards it."""
-    right = np.cross(towards, (0.0, 1.0, 0.0) if abs(towards[1]) < 0.9 else (1.0, 0.0, 0.0))
-    right /= math.sqrt(float((right**2).sum()))
-    return np.stack([right, np.cross(towards, right), towards])
+    back = towards.tolist()
+    right = cross(back, (0.0, 1.0, 0.0) if abs(back[1]) < 0.9 else (1.0, 0.0, 0.0))
+    length = math.sqrt(sum(part * part for part in right))
+    right = right[0] / length, right[1] / length, right[2] / length
+    return np.array([right, cross(back, right), back])
 
 
 #: no lamps of scenes

@@ -29,6 +29,7 @@ from morse.eyes.store import SKY, store_of
 from morse.kernel.drawing.arrays import CAMERA
 from morse.kernel.drawing.composing import Composition
 from morse.kernel.drawing.native import NativeDrawer, drawer
+from morse.mathutils.rotations import cross
 from morse.rendering.meshes import spheres_around
 
 if TYPE_CHECKING:
@@ -79,11 +80,8 @@ class View(NamedTuple):
 
     def row(self, *, color: bool) -> NDArray[np.void]:
         """(1,) `CAMERA`."""
-        camera = np.zeros(1, CAMERA)
-        for name in ("fx", "fy", "cx", "cy", "near", "far", "eye", "width", "height"):
-            camera[name] = getattr(self, name)
-        camera["axes"], camera["exposure"], camera["color"] = self.axes.ravel(), 1.0, color
-        return camera
+        numbers = self.fx, self.fy, self.cx, self.cy, self.near, self.far, self.axes.ravel(), self.eye, 1.0, 0.0
+        return np.array([(*numbers, self.width, self.height, 0, color, 0, 0)], CAMERA)
 
     def cut(self, box: tuple[int, int, int, int]) -> View:
         """The part of the picture from a column and a row to before others."""
@@ -93,13 +91,10 @@ class View(NamedTuple):
     def mirrored(self, plane: NDArray[np.float64]) -> View:
         """The view from behind a mirror (normal and offset), with columns from right to left."""
         normal = plane[:3]
-
-        def turned(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.asarray(vector - 2 * float((vector * normal).sum()) * normal)
-
         eye = self.eye - 2 * (float((self.eye * normal).sum()) - plane[3]) * normal
-        right, down, forward = (turned(axis) for axis in self.axes)
-        return self._replace(eye=eye, axes=np.stack([-right, down, forward]), cx=self.width - self.cx)
+        axes = self.axes - 2 * (self.axes * normal).sum(axis=1)[:, None] * normal
+        axes[0] *= -1
+        return self._replace(eye=eye, axes=axes, cx=self.width - self.cx)
 
 
 def view_of(scene: Any, width: int, height: int) -> View:
@@ -108,37 +103,38 @@ def view_of(scene: Any, width: int, height: int) -> View:
     Raises:
         ValueError: the camera is not finite, or has no size.
     """
-    pair = scene.camera[:2]
+    one, other = scene.camera[:2]
     eye, forward, up = (
-        np.mean([np.array(getattr(camera, name), float) for camera in pair], axis=0)
+        [(a + b) / 2 for a, b in zip(getattr(one, name).tolist(), getattr(other, name).tolist(), strict=True)]
         for name in ("pos", "forward", "up")
     )
     top, bottom, near, far, centre = (
-        float(np.mean([getattr(camera, f"frustum_{name}") for camera in pair]))
-        for name in ("top", "bottom", "near", "far", "center")
+        (float(getattr(one, name)) + float(getattr(other, name))) / 2
+        for name in ("frustum_top", "frustum_bottom", "frustum_near", "frustum_far", "frustum_center")
     )
-    numbers = np.array([*eye, *forward, *up, top, bottom, near, far, centre])
-    length = math.sqrt(float((forward**2).sum()))
-    if not np.isfinite(numbers).all() or length < 1e-9 or not top > bottom or not 0 < near < far:
+    length = math.sqrt(sum(part * part for part in forward))
+    finite = all(map(math.isfinite, (*eye, *forward, *up, top, bottom, near, far, centre)))
+    if not finite or length < 1e-9 or not top > bottom or not 0 < near < far:
         raise ValueError(
-            f"The camera of the scene cannot be drawn: its position is {eye.tolist()}, its direction "
-            f"{forward.tolist()}, its frustum is from {bottom:g} to {top:g} between {near:g} and {far:g} m. Call "
+            f"The camera of the scene cannot be drawn: its position is {eye}, its direction "
+            f"{forward}, its frustum is from {bottom:g} to {top:g} between {near:g} and {far:g} m. Call "
             "update_scene first, with a state whose numbers are finite."
         )
-    forward /= length
-    up -= float((up * forward).sum()) * forward
-    up /= max(math.sqrt(float((up**2).sum())), 1e-9)
-    right = np.cross(forward, up)
+    forward = [part / length for part in forward]
+    along = sum(a * b for a, b in zip(up, forward, strict=True))
+    up = [a - along * b for a, b in zip(up, forward, strict=True)]
+    length = max(math.sqrt(sum(part * part for part in up)), 1e-9)
+    up = [part / length for part in up]
     focal = height / (top - bottom)
     shift = 0.0
     cx, cy = width / 2 - centre * height / (top - bottom), height * top / (top - bottom)
-    if pair[0].orthographic:
+    if one.orthographic:
         # a pinhole that is so far away that its rays are nearly parallel
         shift = _AFAR * far
-        eye = eye - shift * forward
+        eye = [a - shift * b for a, b in zip(eye, forward, strict=True)]
     focal *= shift or near
-    axes = np.stack([right, -up, forward])
-    return View(eye, axes, focal, focal, cx, cy, near + shift, far + shift, shift, width, height)
+    axes = np.array([cross(forward, up), [-part for part in up], forward])
+    return View(np.array(eye), axes, focal, focal, cx, cy, near + shift, far + shift, shift, width, height)
 
 
 class Geoms(Protocol):
@@ -168,6 +164,8 @@ class Artist:
         self._of: bytes | None = None
         self._instances: Instances | None = None
         self._drawer: NativeDrawer | None = None
+        #: the last opaque parts, and what they depend on
+        self._solid: tuple[Instances, bytes, NDArray[np.int32]] | None = None
         #: what the last depths and ids depend on, and these: the picture of colours has them, too
         self._surface: tuple[object, NDArray[np.float32], NDArray[np.int32]] | None = None
 
@@ -215,9 +213,7 @@ class Artist:
         behind = _from_behind(g, view.eye)
         opacity[behind] *= _FROM_BEHIND
         clear = opacity < _OPAQUE
-        hidden = clear[instances.geoms]
-        part_clear = hidden[instances.owner]
-        solid = instances.parts[~part_clear]
+        solid = self._opaque(instances, clear)
         lights, around = lights_of(scene), self._around(g, scene.flags, reach)
         maps = self._shadows(scene, g, instances, draw, lights, poses, view)
         make = classic if self._plain else of_scenes
@@ -231,11 +227,12 @@ class Artist:
         # in depths and ids, planes reach to the far plane
         if not clear.any() and not (len(instances.infinite) and reach < view.far - view.shift):
             self._surface = self._key(scene, g, view), first.depth, first.ids
-        layers = _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view)
+        layers = _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view) if clear.any() else []
         picture = Composition(first, view.width, view.height, exact=bool(layers))
-        if scene.flags[_REFLECTION]:
+        mirrors = (g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind
+        if scene.flags[_REFLECTION] and mirrors.any():
             dim = make(lights, [None] * len(lights), _NOTHING)
-            for number in np.flatnonzero((g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind):
+            for number in np.flatnonzero(mirrors):
                 chosen = instances.geoms == number
                 box = picture.extent(chosen)
                 if box is not None:
@@ -253,11 +250,18 @@ class Artist:
             picture.cover(image, box, chosen, 1 - (1 - float(opacity[numbers[0]])) ** 2)
         return picture.codes()
 
+    def _opaque(self, instances: Instances, clear: NDArray[np.bool_]) -> NDArray[np.int32]:
+        """The parts of the geoms that are not clear."""
+        key = clear.tobytes()
+        if self._solid is None or self._solid[0] is not instances or self._solid[1] != key:
+            self._solid = instances, key, instances.parts[~clear[instances.geoms][instances.owner]]
+        return self._solid[2]
+
     def _key(self, scene: Any, g: NDArray[np.void], view: View) -> tuple[object, ...]:
-        """All that depths and ids depend on."""
+        """All that depths and ids of geoms depend on whose instances are those of the present picture."""
         vertices = (scene.skinvert.tobytes(), scene.flexface.tobytes()) if self._of_moving() else ()
         numbers = (*view.eye, *view.axes.ravel(), view.fx, view.fy, view.cx, view.cy, view.near, view.far, view.shift)
-        return (looks_of(g), g["pos"].tobytes(), g["mat"].tobytes(), numbers, view.width, view.height, *vertices)
+        return (self._of, g["pos"].tobytes(), g["mat"].tobytes(), numbers, view.width, view.height, *vertices)
 
     def _of_moving(self) -> bool:
         return self._instances is not None and bool(self._instances.prepared.moving)
@@ -316,13 +320,25 @@ class Artist:
             return maps
         model = self._model
         parts, owner = instances.parts, instances.geoms[instances.owner]
-        seen = _seen(g[g["type"] != PLANE], view)
+        planes = g["type"] == PLANE
+        seen = _seen(g[~planes], view)
+        finite = np.isfinite(g["pos"]).all(axis=1)
+        # the vertices of skins and flexes are elsewhere
+        bounded = not len(instances.free)
         for number, n in enumerate(n for n, light in enumerate(lights) if light.casts):
             light = lights[n]
+            cast = casting.copy()
+            for plane in np.flatnonzero(cast & planes):
+                cast[plane] = not _is_below(_plane_of(g[plane]), g["pos"][~planes & finite], light, view)
+            cast &= finite
+            casters = None
+            if bounded and not np.isin(instances.infinite, np.flatnonzero(cast)).any():
+                reach = _reach(g[cast]) * np.where(np.isin(g["type"][cast], (MESH, HFIELD)), 2.0, 1.0)
+                casters = np.column_stack([g["pos"][cast].astype(np.float64), reach])
             scale = float(model.vis.map.shadowscale)
             if light.directional:
                 scale = float(model.vis.map.shadowclip) * float(model.stat.extent)
-            maps[n] = self._maps.map_of(number, light, draw, parts[casting[owner]], poses, seen, scale)
+            maps[n] = self._maps.map_of(number, light, draw, parts[cast[owner]], poses, seen, casters, scale)
         return maps
 
     def _reach(self, flags: Any, view: View) -> float:
@@ -399,15 +415,21 @@ def _seen(g: NDArray[np.void], view: View) -> NDArray[np.float64]:
     if len(g):
         least = min(max(float((depth - reach).min()), view.near), 0.99 * view.far)
         most = min(max(float((depth + reach).max()) * 1.5, 1.01 * least), view.far)
+    x = np.array([-view.cx, view.width - view.cx])[:, None, None] / view.fx
+    y = np.array([-view.cy, view.height - view.cy])[:, None] / view.fy
     right, down, forward = view.axes
-    return np.array(
-        [
-            view.eye + at * (x * right + y * down + forward)
-            for at in (least, most)
-            for x in (-view.cx / view.fx, (view.width - view.cx) / view.fx)
-            for y in (-view.cy / view.fy, (view.height - view.cy) / view.fy)
-        ]
-    )
+    ways = (x * right + y * down + forward).reshape(-1, 3)
+    return np.concatenate([view.eye + least * ways, view.eye + most * ways])
+
+
+def _is_below(plane: NDArray[np.float64], places: NDArray[np.float32], light: Lit, view: View) -> bool:
+    """Whether a plane is below a light, the camera and some places: its shadow is not seen."""
+    normal, offset = plane[:3], plane[3]
+    if not (normal * view.eye).sum() > offset or not ((places * normal).sum(axis=1) >= offset).all():
+        return False
+    if light.directional:
+        return bool((light.towards * normal).sum() > 0.0)
+    return bool((light.place * normal).sum() > offset)
 
 
 def _reach(g: NDArray[np.void]) -> NDArray[np.float32]:

@@ -151,7 +151,7 @@ class Renderer:
         if not isinstance(camera, mujoco.MjvCamera):
             camera = _camera_of(self._model, camera)
         with self._lock:
-            if self._grows and not _is_usual(scene_option or self._scene_option):
+            if self._grows and scene_option is not None and not _is_usual(scene_option):
                 self._grow()
             # infinite planes are placed around the camera of the scene, which would be that of the last call
             mujoco.mjv_updateCamera(self._model, data, camera, self._scene)

@@ -5,14 +5,17 @@
 
 #include "draw_light.h"
 #include "draw_looks.h"
+#include "draw_surface.h"
 #include "draw_texture.h"
 #include "drawing.h"
 #include "simd.h"
 
 // The light at the corners of a triangle, and its edges, which are its barycentric coordinates.
 typedef struct {
-    float e[3][3], lights[3][CORNER_LIGHTS];
+    float e[3][3], lights[3][2 * LANES];
 } Corners;
+
+_Static_assert(CORNER_LIGHTS <= 2 * LANES, "the lights of a corner are read as two groups");
 
 // The smallest number whose logarithm is computed.
 #define LEAST_COSINE 1e-20f
@@ -56,14 +59,11 @@ static ALWAYS_INLINE void light_points(const Frame *f, const Camera *k, const Lo
 
 // The light at the corners of a triangle, which are three of eight points.
 static inline Corners corners_lit(const Frame *f, const Camera *k, const Seen *s) {
-    Corners c;
+    Corners c = {0};
     memcpy(c.e, s->e, sizeof c.e);
     const Surface *surface = f->materials + s->material;
     // it is lit at each pixel
-    if (surface->flags & FINE) {
-        memset(c.lights, 0, sizeof c.lights);
-        return c;
-    }
+    if (surface->flags & FINE) return c;
     const Part *part = f->parts + s->part;
     const Vertex *base = f->vertices + f->clusters[part->cluster].vertex;
     const int32_t *index = f->triangles[s->triangle];
@@ -91,23 +91,26 @@ static inline Corners corners_lit(const Frame *f, const Camera *k, const Seen *s
 
 // Eight samples of different triangles. The light includes the colour of the material: the colour of the samples
 // becomes that of the texture alone.
-static inline void interpolate(Looks *l, const Corners *const *corners) {
+static inline void interpolate(const Frame *f, Looks *l, const Corners *const *corners) {
+    F8 rows[LANES], e[LANES + 1], b[3], lights[2 * LANES];
     l->red = l->r, l->green = l->g, l->blue = l->b;
     l->r = l->g = l->b = splat(1);
-    EACH_LANE(j) {
-        const Corners *c = corners[j];
-        float b[3], all = 0;
-        EACH(i, 3) b[i] = c->e[i][0] * l->x[j] + c->e[i][1] * l->y[j] + c->e[i][2], all += b[i];
-        EACH(i, 3) b[i] /= all;
-        EACH(n, 1 + MOST_SHADOWS) {
-            float light[3];
-            EACH(i, 3) {
-                const int at = 3 * n + i;
-                light[i] = b[0] * c->lights[0][at] + b[1] * c->lights[1][at] + b[2] * c->lights[2][at];
-            }
-            l->lights[n].x[j] = light[0], l->lights[n].y[j] = light[1], l->lights[n].z[j] = light[2];
+    EACH_LANE(j) memcpy(rows + j, corners[j]->e, sizeof *rows);
+    transpose(rows, e);
+    EACH_LANE(j) e[LANES][j] = corners[j]->e[2][2];
+    EACH(i, 3) b[i] = e[3 * i] * l->x + e[3 * i + 1] * l->y + e[3 * i + 2];
+    const F8 scale = 1 / (b[0] + b[1] + b[2]);
+    EACH(i, 3) b[i] *= scale;
+    const int count = 1 + f->classic->shadow_count;
+    for (int first = 0; first < 3 * count; first += LANES) {
+        EACH_LANE(j) {
+            F8 light[3];
+            EACH(i, 3) memcpy(light + i, corners[j]->lights[i] + first, sizeof *light);
+            rows[j] = b[0][j] * light[0] + b[1][j] * light[1] + b[2][j] * light[2];
         }
+        transpose(rows, lights + first);
     }
+    EACH(n, count) l->lights[n] = (V3){lights[3 * n], lights[3 * n + 1], lights[3 * n + 2]};
 }
 
 // The same of samples of one triangle.
@@ -182,6 +185,11 @@ static inline V3 classic_light(const Frame *f, const Camera *k, Looks *l) {
     return total;
 }
 
+// Whether the background has one colour.
+static inline int has_plain_sky(const Classic *c) { return c->foggy || (c->sky < 0 && !c->hazy); }
+
+static inline V3 plain_sky(const Classic *c) { return everywhere(c->foggy ? c->fog : c->background); }
+
 // The background in eight samples: a cube of textures, and the haze above the horizon.
 static inline V3 classic_sky(const Frame *f, const Camera *k, Looks *l, V3 ray) {
     const Classic *c = f->classic;
@@ -213,6 +221,5 @@ static inline V3 classic_sky(const Frame *f, const Camera *k, Looks *l, V3 ray) 
         const I8 in = (above > splat(0)) & (above + slope >= splat(0)) & (slope < splat(0));
         light = chosen(in, hazy(c, light, 1 - clear), light);
     }
-    if (c->foggy) light = everywhere(c->fog);
     return light;
 }

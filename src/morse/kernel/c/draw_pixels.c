@@ -51,6 +51,10 @@ static inline V3 ray_of(const Camera *k, F8 x, F8 y) {
 
 // The light of the sky in groups of eight samples, 0 to 1: step by step, because each step waits for the one before.
 static __attribute__((noinline)) void shade_sky(const Frame *f, const Camera *k, Looks *l, int groups, V3 *light) {
+    if (f->classic && has_plain_sky(f->classic)) {
+        EACH(g, groups) light[g] = plain_sky(f->classic);
+        return;
+    }
     if (f->classic) {
         EACH(g, groups) light[g] = classic_sky(f, k, l + g, ray_of(k, l[g].x, l[g].y));
         return;
@@ -99,14 +103,25 @@ static __attribute__((noinline)) void shade_groups(const Frame *f, const Camera 
 // A step of the table of sRGB.
 static inline I8 step_of(F8 light) { return (to_int(light * ONE_LIGHT) + (1 << (LIGHT_SHIFT - 1))) >> LIGHT_SHIFT; }
 
+// Steps without gamma correction as codes: divided by 4095 and multiplied by 255, rounded.
+#define CODE_OF(step) (((step) * 255 + 2048 + (((step) * 255 + 2047) >> 12)) >> 12)
+
 static inline void write_pixel(const Frame *f, int32_t r, int32_t g, int32_t b, uint8_t *to) {
     const uint8_t pixel[4] = {f->encoded[r], f->encoded[g], f->encoded[b], 255};
     memcpy(to, pixel, sizeof pixel);
 }
 
-// Eight pixels as sRGB, opaque.
+// Eight pixels, opaque: as sRGB, or without gamma correction in the classic look.
 static inline void write_colours(const Frame *f, V3 c, int count, uint8_t (*to)[4]) {
     const I8 r = step_of(c.x), g = step_of(c.y), b = step_of(c.z);
+    if (f->classic) {
+        const I8 pixels = CODE_OF(r) | CODE_OF(g) << 8 | CODE_OF(b) << 16 | ~0xffffff;
+        if (count == LANES)
+            memcpy(to, &pixels, sizeof pixels);
+        else
+            memcpy(to, &pixels, 4 * (size_t)count);
+        return;
+    }
     EACH(j, count) write_pixel(f, r[j], g[j], b[j], to[j]);
 }
 
@@ -142,7 +157,7 @@ static inline void look_at_waiting(const Frame *f, const Shown *s, const Waiting
     if (!f->classic) return;
     const Corners *corners[LANES];
     EACH_LANE(j) corners[j] = s->corners + q->place[j < count ? i + j : i];
-    interpolate(l, corners);
+    interpolate(f, l, corners);
 }
 
 static inline int lanes_left(int count, int i) { return count - i < LANES ? count - i : LANES; }
@@ -264,7 +279,13 @@ static inline void write_mixed(const Frame *f, const Camera *k, const Work *w, c
     uint8_t (*to)[4] = f->rgba + (k->pixel + (int64_t)row->y * k->width + row->x);
     EACH(j, count) {
         const I4 c = (total[j] + (1 << (LIGHT_SHIFT - 1))) >> LIGHT_SHIFT;
-        write_pixel(f, c[0], c[1], c[2], to[j]);
+        if (!f->classic) {
+            write_pixel(f, c[0], c[1], c[2], to[j]);
+            continue;
+        }
+        const I4 code = CODE_OF(c);
+        const int32_t pixel = code[0] | code[1] << 8 | code[2] << 16 | ~0xffffff;
+        memcpy(to[j], &pixel, sizeof pixel);
     }
 }
 
@@ -370,7 +391,25 @@ static void draw_block(const Frame *f, const Camera *k, Work *w, int column, int
     }
 }
 
+// Fills a tile without triangles and with a sky of one colour; 0 if it is another one.
+static int fill_tile(const Frame *f, const Camera *k, int64_t tile) {
+    if (f->firsts[tile] != f->firsts[tile + 1] || k->normals || kept_of(f, f->tiles[tile][0])) return 0;
+    if (k->color && !(f->classic && has_plain_sky(f->classic))) return 0;
+    const int left = f->tiles[tile][1], top = f->tiles[tile][2];
+    const int count = k->width - left < TILE ? k->width - left : TILE;
+    for (int y = top; y < top + TILE && y < k->height; y++) {
+        const int64_t pixel = k->pixel + (int64_t)y * k->width + left;
+        for (int x = 0; x < count; x += LANES) {
+            const int wide = lanes_left(count, x);
+            write_surfaces(f, splat(0), splat_int(-1), wide, pixel + x);
+            if (k->color) write_colours(f, visible(plain_sky(f->classic)), wide, f->rgba + (pixel + x));
+        }
+    }
+    return 1;
+}
+
 static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
+    if (fill_tile(f, k, tile)) return;
     Tile *t = &w->tile;
     const int left = f->tiles[tile][1], top = f->tiles[tile][2], samples = k->color ? f->sample_count : 1;
     clear(f, t, left, top, samples, k->near, k->far);
