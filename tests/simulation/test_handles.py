@@ -147,6 +147,15 @@ def test_subscribers_are_told_until_they_leave_and_after_a_restart(sim: Any) -> 
 RUNS = [lambda sim: sim.step(10), lambda sim: sim.run(1.0, speed=float("inf"))]
 
 
+@pytest.mark.parametrize("pose", [["1", "2", "0"], "120", [b"1", 2, 0], [True, 2, 0], [1, 2], 7, None, [[1], 2, 0]])
+def test_a_pose_is_a_list_of_numbers(sim: Any, pose: Any) -> None:
+    name = sim.robots[0]
+    before = sim.pose_of(name, [0, 0, 0]), sim.state_hash()
+    with pytest.raises(ValueError, match="numbers"):
+        sim.place(name, pose)
+    assert (sim.pose_of(name, [0, 0, 0]), sim.state_hash()) == before
+
+
 @pytest.fixture
 def strict() -> Iterator[Any]:
     with morse.load(scene, on_failure="raise") as simulation:

@@ -127,6 +127,57 @@ def test_settings_of_the_environment_are_written_and_loaded(desk: Desk, tmp_path
         assert settings.view.horizon_color == (0.5, 0.3, 0.2)
 
 
+def test_settings_of_the_environment_take_effect_at_once(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(
+        SCENE.replace("robot = ATRV()", "robot = Cube()\nrobot.set_rigid_body()").replace("2.0)", "2.0, 60.0)")
+        + "env.set_daylight(0.9)\n"
+    )
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        cube = simulation.world.objects_by_name["robot"]
+
+        def put(method: str, more: bool = False, **values: object) -> None:
+            named = {name.rstrip("_"): value for name, value in values.items()}
+            desk.do("configure", component="simulation", method=method, values=named, remove=more)
+
+        def acceleration() -> float:
+            speed = cube.worldLinearVelocity.z
+            simulation.step(6)
+            return float((cube.worldLinearVelocity.z - speed) * 10)
+
+        assert acceleration() == pytest.approx(-9.81, abs=0.3)
+        time, height = simulation.clock.time, cube.worldPosition.z
+        put("set_gravity", _=1.62)
+        # neither time nor state are lost
+        assert simulation.clock.time - time < 1.0
+        assert height - cube.worldPosition.z < 10.0
+        assert acceleration() == pytest.approx(-1.62, abs=0.3)
+        desk.do("undo_change")
+        assert acceleration() == pytest.approx(-9.81, abs=0.3)
+        desk.do("redo_change")
+        put("set_gravity", more=True, _=1.62)
+        assert acceleration() == pytest.approx(-9.81, abs=0.3)
+        settings = simulation.scene.settings
+        put("set_daylight", _=0.2)
+        put("set_mist_settings", enable=True, start=3.0, depth=9.0)
+        assert settings.view.daylight == 0.2
+        assert settings.view.mist is not None
+        assert (settings.view.mist.start, settings.view.mist.depth) == (3.0, 9.0)
+        put("set_camera_location", _=[1.0, 2.0, 3.0])
+        assert desk._wait("viewpoint")["location"] == [1.0, 2.0, 3.0]
+        simulation.restart()
+        simulation.step(1)
+        assert settings.view.daylight == 0.2
+        desk.do("save_scene", write=True)
+        with morse.load(script) as again:
+            assert again.scene.settings.view == settings.view
+        for _ in range(3):
+            desk.do("undo_change")
+        assert (settings.view.daylight, settings.view.mist) == (0.9, None)
+
+
 def test_settings_of_the_environment_come_after_those_of_the_script() -> None:
     script = SCENE + "env.set_gravity(1.0)\nenv.show(rays=True)\n"
     assert changed_script(script, Changes(settings=["set_gravity(2.0)"])) == script + "env.set_gravity(2.0)\n"
@@ -139,6 +190,14 @@ def test_settings_of_the_environment_come_after_those_of_the_script() -> None:
     [
         ("set_gravity", {"": "much"}),
         ("set_gravity", {"": 1e300}),
+        ("set_gravity", {"": "9.8"}),
+        ("set_mist_settings", {}),
+        ("set_mist_settings", {"": True}),
+        ("set_mist_settings", {"enable": "yes"}),
+        ("set_mist_settings", {"start": -1}),
+        ("set_mist_settings", {"start": True}),
+        ("set_mist_settings", {"falloff": "LINEAR"}),
+        ("set_mist_settings", {"start": float("1e12")}),
         ("set_gravity", {"": True}),
         ("set_gravity", {}),
         ("set_gravity", {"": 9.8, "x": 1}),

@@ -31,7 +31,7 @@ pytestmark = pytest.mark.browser
 SIZE = {"width": 1200, "height": 700}
 #: a button is 2 rem high, and the header a little higher
 ROW = 44
-CUT_OFF = """() => [...document.querySelectorAll(".bar *")].filter((e) => e.getClientRects().length > 0)
+CUT_OFF = """() => [...document.querySelectorAll(".bar *")].filter((e) => e.checkVisibility())
     .map((e) => e.getBoundingClientRect()).filter((e) => e.right > innerWidth + 0.5 || e.left < -0.5).length"""
 LINES = """[...document.querySelectorAll(".help dd")]
     .map((e) => Math.round(e.clientHeight / parseFloat(getComputedStyle(e).lineHeight)))"""
@@ -61,14 +61,23 @@ def test_the_header_is_one_row(running, open_page) -> None:
             )
 
 
-def test_a_telephone_has_two_rows(running, open_page) -> None:
+@pytest.mark.parametrize("touch", [False, True])
+def test_a_telephone_has_one_row(running, open_page, touch: bool) -> None:
     driver, url = running
     driver.server.send(Listening(["a_robot_with_a_rather_long_name", "robot1"]))
     driver.server.send(SoundState("robot0", "stop", None, 0.0, 0.0))
     driver.server.send(Recordings([]))
-    page = open_page(url, width=390, height=780)
-    assert header(page) < 2 * ROW
+    page = open_page(url, width=390, height=780, has_touch=touch, is_mobile=touch)
+    assert header(page) < ROW * (1.35 if touch else 1.0)
     assert page.evaluate(CUT_OFF) == 0
+    page.evaluate("document.querySelector('.more').click()")
+    for name in ("One tick (.)", "Reset (F11)", "speed"):
+        assert page.get_by_title(name, exact=True).is_visible()
+    # a choice in a list does not close the menu before it is made
+    page.locator(".extra select").first.click()
+    assert page.locator(".extra").is_visible()
+    page.set_viewport_size({"width": 1000, "height": 780})
+    wait_until(lambda: page.locator(".clock select").is_visible())
 
 
 def test_what_has_no_room_is_behind_a_button(running, open_page) -> None:

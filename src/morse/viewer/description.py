@@ -42,12 +42,14 @@ class SettingDescription(Struct, frozen=True):
         name: the first argument, of methods that may be called for several; empty for others.
         doc: what it does.
         arguments: the others by name; that with an empty name is the first one.
+        later: whether it counts from the next start of the scene on only.
     """
 
     method: str
     name: str = ""
     doc: str = ""
     arguments: list[PropertyDescription] = []
+    later: bool = False
 
 
 class ArgumentDescription(Struct, frozen=True):

@@ -32,7 +32,15 @@ from morse.viewer.placing import Place, carrier_of, free_place, local_pose, plac
 from morse.viewer.script_file import ScriptFile
 from morse.viewer.uploads import Uploads, saved_place
 from morse.viewer.view_messages import Answer, PropertyValue, Refused, SceneChanges
-from morse.viewer.world_settings import OWNER, SEVERAL, check_world_call, settings_of_world, world_line
+from morse.viewer.world_settings import (
+    OWNER,
+    SEVERAL,
+    LiveSettings,
+    check_world_call,
+    is_immediate,
+    settings_of_world,
+    world_line,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -114,6 +122,7 @@ class Editor:
         options = simulation.options
         sources = [*options.source_paths, *(source_folders(Path(options.script).absolute()) if options.script else ())]
         self._catalog = Catalog(server, options.resource_paths, list(dict.fromkeys(sources)))
+        self._live = LiveSettings(simulation, server)
         #: models that pages send
         self.uploads = Uploads(simulation.scene, server, services, self._catalog)
         self._saved = self._state()
@@ -460,21 +469,25 @@ class Editor:
         self._attempt(event.request, lambda: self._configure(event))
 
     def _set_up_world(self, event: page.Configure) -> str:
-        """Note a setting of the environment, which counts from the next start on."""
+        """Set up the environment: at once, or from the next start on; see `world_settings`."""
         call, old = Call(event.method, event.values), self._calls.get(OWNER, {})
         if event.remove and call.key() not in old:
             raise MorseError(f"{short(event.method)} was not set in this page: change the script")
         new = {key: one for key, one in old.items() if key != call.key()}
         if not event.remove:
             self._check_room()
-            check_world_call(*call)
+            check_world_call(*call, self._simulation.scene.settings)
             new[call.key()] = call
             if self._file.path is not None:
                 self._file.changed(Changes(settings=[world_line(*one) for one in new.values()]))  # can it be saved?
-        self._note(OWNER, new)
+        self._settle(new)
         what = f"{event.method} was {'taken back' if event.remove else 'set'}"
-        self._undo_by(what, lambda: self._note(OWNER, old), lambda: self._note(OWNER, new))
+        self._undo_by(what, lambda: self._settle(old), lambda: self._settle(new))
         return OWNER
+
+    def _settle(self, calls: Calls) -> None:
+        self._live.follow([(call.method, call.values) for call in calls.values()])
+        self._note(OWNER, calls)
 
     def _configure(self, event: page.Configure) -> str:
         if event.component == OWNER:
@@ -680,8 +693,8 @@ class Editor:
         if write:
             self.uploads.save(kinds, self._file.path)
             content = self._file.save(text)
-            if not self._calls.get(OWNER):
-                # settings of the environment are not in use yet: then a page offers to load the script
+            if all(is_immediate(call.method) for call in self._calls.get(OWNER, {}).values()):
+                # others are not in use yet: then a page offers to load the script
                 self._simulation.edits.write(os.path.abspath(str(self._file.path)), content)
             self._saved = self._state()
         folders = [str(saved_place(folder, self._file.path)) for folder in self.uploads.folders(kinds)]

@@ -1,28 +1,36 @@
-"""The settings of the environment that pages change: gravity, time, light and the viewpoint, as calls of its methods.
+"""The settings of the environment that pages change: gravity, time, light, mist and the viewpoint, as calls of methods.
 
-They are written into the script, and count from the next start of the scene on.
+Most take effect at once; frequency, time strategy and middlewares count from the next start of the scene on. All are
+written into the script.
 """
 
 from __future__ import annotations
 
 import inspect
 import math
+from copy import copy
 from typing import TYPE_CHECKING, NamedTuple
 
 from morse.builder import Environment, workspace
 from morse.builder.assembly.spawning import call_text
 from morse.builder.script import describing
 from morse.core.exceptions import MorseError
+from morse.core.journal import EDIT
 from morse.core.reports.quoting import nearest, short
 from morse.middleware.registry import installed
 from morse.scene import TimeStrategies
+from morse.scene.scene import Mist
+from morse.viewer.describe import moving_nodes
 from morse.viewer.description import PropertyDescription, SettingDescription
-from morse.viewer.view_messages import ComponentSettings
+from morse.viewer.view_messages import ComponentSettings, Viewpoint
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from morse.scene import Scene
+    from morse.scene.scene import Settings
+    from morse.simulation.simulation import Simulation
+    from morse.viewer.server import ViewServer
 
 OWNER = "simulation"
 """The pseudo component whose settings these are."""
@@ -30,38 +38,124 @@ OWNER = "simulation"
 SEVERAL = ("add_default_interface",)
 """Methods that are called for several names."""
 
+_WORDS = {"list": "a list of numbers", "str": "a text", "bool": "true or false", "float": "a number"}
 #: characters of a value, numbers of a list
 _LONGEST, _MOST = 100, 3
 
 
-class _Setting(NamedTuple):
-    """A method of `Environment` with one argument.
+class _Argument(NamedTuple):
+    """An argument of a method of `Environment`.
 
     Attributes:
         present: its present value.
         unit, choices, low, high: as those of a property.
     """
 
-    present: Callable[[Scene], object]
+    present: Callable[[Settings], object]
     unit: str = ""
     choices: tuple[object, ...] = ()
     low: float | None = None
     high: float | None = None
 
 
+class _Setting(NamedTuple):
+    """A method of `Environment`.
+
+    Attributes:
+        attribute: what it sets: an attribute of the settings of a scene, or with ``view.`` of those of its view.
+        arguments: by name; the only one has none.
+        is_immediate: whether a running simulation follows it.
+    """
+
+    attribute: str
+    arguments: dict[str, _Argument]
+    is_immediate: bool = True
+
+
+def _color(present: Callable[[Settings], tuple[float, float, float] | None], usual: tuple[float, ...]) -> _Argument:
+    return _Argument(lambda settings: [*(present(settings) or usual)])
+
+
 _SETTINGS = {
-    "set_gravity": _Setting(lambda scene: scene.settings.gravity, "m/s²"),
-    "simulator_frequency": _Setting(lambda scene: scene.settings.frequency, "Hz", low=0.1, high=10_000.0),
-    "set_time_strategy": _Setting(
-        lambda scene: scene.settings.time_strategy.name, choices=tuple(one.name for one in TimeStrategies)
+    "set_gravity": _Setting("gravity", {"": _Argument(lambda settings: settings.gravity, "m/s²")}),
+    "set_daylight": _Setting("view.daylight", {"": _Argument(lambda one: one.view.daylight, low=0.0, high=1.0)}),
+    "set_horizon_color": _Setting(
+        "view.horizon_color", {"": _color(lambda one: one.view.horizon_color, (0.05, 0.22, 0.4))}
     ),
-    "set_horizon_color": _Setting(lambda scene: [*(scene.settings.view.horizon_color or (0.05, 0.22, 0.4))]),
-    "set_daylight": _Setting(lambda scene: scene.settings.view.daylight, low=0.0, high=1.0),
-    "set_camera_location": _Setting(lambda scene: [*scene.settings.view.camera_location], "m"),
-    "set_camera_rotation": _Setting(lambda scene: [*scene.settings.view.camera_rotation], "rad"),
+    "set_ambient_color": _Setting(
+        "view.ambient_color", {"": _color(lambda one: one.view.ambient_color, (0.0, 0.0, 0.0))}
+    ),
+    "set_mist_settings": _Setting(
+        "view.mist",
+        {
+            "enable": _Argument(lambda one: one.view.mist is not None and one.view.mist.enabled),
+            "start": _Argument(lambda one: (one.view.mist or Mist()).start, "m", low=0.0),
+            "depth": _Argument(lambda one: (one.view.mist or Mist()).depth, "m", low=0.0),
+        },
+    ),
+    "set_camera_location": _Setting(
+        "view.camera_location", {"": _Argument(lambda one: [*one.view.camera_location], "m")}
+    ),
+    "set_camera_rotation": _Setting(
+        "view.camera_rotation", {"": _Argument(lambda one: [*one.view.camera_rotation], "rad")}
+    ),
+    "simulator_frequency": _Setting(
+        "frequency", {"": _Argument(lambda one: one.frequency, "Hz", low=0.1, high=10_000.0)}, is_immediate=False
+    ),
+    "set_time_strategy": _Setting(
+        "time_strategy",
+        {"": _Argument(lambda one: one.time_strategy.name, choices=tuple(one.name for one in TimeStrategies))},
+        is_immediate=False,
+    ),
 }
 METHODS = (*_SETTINGS, *SEVERAL)
 """What pages may call."""
+
+
+def is_immediate(method: str) -> bool:
+    """Whether a running simulation follows a setting."""
+    return method in _SETTINGS and _SETTINGS[method].is_immediate
+
+
+class LiveSettings:
+    """Lets a running simulation follow the settings of its environment that need no new start."""
+
+    def __init__(self, simulation: Simulation, server: ViewServer) -> None:
+        self._simulation = simulation
+        self._server = server
+        #: what the script has set, by method
+        self._scripted: dict[str, object] = {}
+
+    def follow(self, calls: Iterable[tuple[str, Mapping[str, object]]]) -> None:
+        """Use what the script has set, and then these calls."""
+        settings = self._simulation.scene.settings
+        wanted = dict(self._scripted)
+        for method, values in calls:
+            if is_immediate(method):
+                self._scripted.setdefault(method, _value_of(settings, _SETTINGS[method].attribute))
+                wanted[method] = _value_of(_called(settings, method, values), _SETTINGS[method].attribute)
+        changed = []
+        for method, value in wanted.items():
+            attribute = _SETTINGS[method].attribute
+            if _value_of(settings, attribute) != value:
+                owner = settings.view if attribute.startswith("view.") else settings
+                setattr(owner, attribute.removeprefix("view."), value)
+                changed.append(attribute)
+        if not changed:
+            return
+        self._simulation.journal.note(EDIT, OWNER, f"settings of the environment: {', '.join(changed)}")
+        if "gravity" in changed:
+            self._simulation.world.rebuild(lambda _: None)
+        self._server.set_scene(self._simulation.scene, moving_nodes(self._simulation.world))
+        if any("camera" in one for one in changed):
+            view = settings.view
+            self._server.send(Viewpoint(view.camera_location, view.camera_rotation, view.camera_clip))
+
+
+def _value_of(settings: Settings, attribute: str) -> object:
+    owner = settings.view if attribute.startswith("view.") else settings
+    value: object = getattr(owner, attribute.removeprefix("view."))
+    return copy(value)
 
 
 def settings_of_world(scene: Scene, own: Iterable[tuple[str, Mapping[str, object]]]) -> ComponentSettings:
@@ -70,11 +164,11 @@ def settings_of_world(scene: Scene, own: Iterable[tuple[str, Mapping[str, object
     Args:
         own: methods and arguments of what pages have called.
     """
-    called = {method: values.get("") for method, values in own}
-    settings = [_described(method, called.get(method, one.present(scene))) for method, one in _SETTINGS.items()]
+    called = dict(own)
+    settings = [_described(method, called.get(method, {}), scene.settings) for method in _SETTINGS]
     names = [str(values.get("", "")) for method, values in own if method in SEVERAL]
     settings += [
-        SettingDescription("add_default_interface", one.name, one.missing or one.purpose)
+        SettingDescription("add_default_interface", one.name, one.missing or one.purpose, later=True)
         for one in installed().values()
         if one.stream_manager
     ]
@@ -83,15 +177,22 @@ def settings_of_world(scene: Scene, own: Iterable[tuple[str, Mapping[str, object
     return ComponentSettings(OWNER, settings, mine, scripted)
 
 
-def _described(method: str, value: object) -> SettingDescription:
+def _described(method: str, called: Mapping[str, object], settings: Settings) -> SettingDescription:
     setting = _SETTINGS[method]
     doc = (inspect.getdoc(getattr(Environment, method)) or "").partition("\n")[0]
-    if isinstance(value, list):
-        value = [round(number, 4) for number in value]
-    kind = "list" if isinstance(value, list) else "str" if isinstance(value, str) else "float"
-    choices = [*setting.choices] or None
-    argument = PropertyDescription("", kind, doc, value, choices, setting.unit, setting.low, setting.high)
-    return SettingDescription(method, "", doc, [argument])
+    arguments = []
+    for name, one in setting.arguments.items():
+        value = called.get(name, one.present(settings))
+        if isinstance(value, list):
+            value = [round(number, 4) for number in value]
+        choices = [*one.choices] or None
+        arguments.append(PropertyDescription(name, _kind(value), doc, value, choices, one.unit, one.low, one.high))
+    return SettingDescription(method, "", doc, arguments, later=not setting.is_immediate)
+
+
+def _kind(value: object) -> str:
+    kinds = {list: "list", str: "str", bool: "bool"}
+    return next((word for cls, word in kinds.items() if isinstance(value, cls)), "float")
 
 
 def world_line(method: str, values: Mapping[str, object]) -> str:
@@ -101,7 +202,7 @@ def world_line(method: str, values: Mapping[str, object]) -> str:
     return call_text(method, values)
 
 
-def check_world_call(method: str, values: Mapping[str, object]) -> None:
+def check_world_call(method: str, values: Mapping[str, object], settings: Settings) -> None:
     """Make a call for an environment that nobody uses.
 
     Raises:
@@ -109,21 +210,35 @@ def check_world_call(method: str, values: Mapping[str, object]) -> None:
     """
     if method not in METHODS:
         raise MorseError(f"'{short(method)}' is no setting of the environment{nearest(method, list(METHODS))}")
+    arguments = _SETTINGS[method].arguments if method in _SETTINGS else {}
+    kinds = {name: _kind(one.present(settings)) for name, one in arguments.items()} or {"": "str"}
+    if not values or not {*values} <= {*kinds}:
+        takes = "one value" if {*kinds} == {""} else f"values for {', '.join(kinds)}"
+        raise MorseError(f"{method} takes {takes}, not {short(dict(values))}")
+    for name, given in values.items():
+        if not _is_plain(given) or _kind(given) != kinds[name]:
+            raise MorseError(f"{name or method} is {_WORDS[kinds[name]]}, not {short(given)}")
     value = values.get("")
-    if {*values} != {""} or not _is_plain(value):
-        raise MorseError(f"{method} takes one plain value, not {short(dict(values))}")
-    if method == "set_time_strategy":
-        names = [one.name for one in TimeStrategies]
-        if value not in names:
-            raise MorseError(f"the time strategy is {' or '.join(names)}, not {short(value)}")
-        value = TimeStrategies[str(value)]
+    if method == "set_time_strategy" and value not in (choices := [one.name for one in TimeStrategies]):
+        raise MorseError(f"the time strategy is {' or '.join(choices)}, not {short(value)}")
     if method in SEVERAL and value not in installed():
         raise MorseError(f"there is no middleware '{short(value)}'{nearest(str(value), list(installed()))}")
     try:
-        with describing([]), workspace.described():
-            getattr(Environment("empty"), method)(value)
+        _called(settings, method, values)
     except (ValueError, TypeError) as error:
         raise MorseError(str(error)) from None
+
+
+def _called(settings: Settings, method: str, values: Mapping[str, object]) -> Settings:
+    """The settings of an environment that nobody uses, after a call; what the call leaves is as it was."""
+    named = {name: value for name, value in values.items() if name}
+    value = values.get("")
+    alone = [] if named else [TimeStrategies[str(value)] if method == "set_time_strategy" else value]
+    with describing([]), workspace.described():
+        environment = Environment("empty")
+        environment.settings.view.mist = copy(settings.view.mist)
+        getattr(environment, method)(*alone, **named)
+        return environment.settings
 
 
 def _is_plain(value: object) -> bool:
@@ -131,4 +246,6 @@ def _is_plain(value: object) -> bool:
         return len(value) <= _MOST and all(isinstance(one, (int, float)) and _is_plain(one) for one in value)
     if isinstance(value, str):
         return len(value) <= _LONGEST
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e9 and math.isfinite(value)
+    if isinstance(value, bool):
+        return True
+    return isinstance(value, (int, float)) and abs(value) < 1e9 and math.isfinite(value)

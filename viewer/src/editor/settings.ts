@@ -8,8 +8,7 @@ import { icons } from "../ui/icons";
 import { unitText } from "../ui/units";
 
 const TITLES: Record<string, string> = { alter: "add a modifier", add_stream: "add a stream", add_default_interface: "connect all to a middleware" };
-/** Settings of the environment: see `morse.viewer.world_settings`. */
-const WORLD = "simulation";
+const LATER = "These count when the scene is saved and loaded again (F11):";
 
 /** Frequency, level, realism, modifiers and streams of the selected component: calls that the script gets when it is saved. */
 export class SettingsPanel {
@@ -32,12 +31,14 @@ export class SettingsPanel {
     if (component !== null) this.connection.send({ type: "list_settings", component });
   }
 
-  private fill({ component, settings, own, scripted }: ComponentSettings): void {
+  private fill({ settings, own, scripted }: ComponentSettings): void {
     const of = (method: string): SettingDescription[] => settings.filter((one) => one.method === method);
-    const plain = settings.filter(({ method }) => !(method in TITLES)).map((one) => this.form(one, own.some(([method]) => method === one.method)));
+    const plain = settings.filter(({ method }) => !(method in TITLES));
+    const forms = (late: boolean): HTMLElement[] =>
+      plain.filter(({ later }) => later === late).map((one) => this.form(one, own.some(([method]) => method === one.method)));
     const several = Object.keys(TITLES).map((method) => this.choice(method, of(method), own, scripted));
-    const later = component === WORLD ? [h("p", { class: "quiet" }, "These count when the scene is saved and loaded again (F11).")] : [];
-    this.content.replaceChildren(...later, ...plain, ...several.filter((one): one is HTMLElement => one !== null));
+    const hint = settings.some(({ later }) => later) ? [h("p", { class: "quiet" }, LATER)] : [];
+    this.content.replaceChildren(...forms(false), ...hint, ...forms(true), ...several.filter((one): one is HTMLElement => one !== null));
   }
 
   /** One that is set once: its fields, and a button. */
@@ -63,7 +64,7 @@ export class SettingsPanel {
     const here = (list: [string, string][]): string[] => list.filter(([one]) => one === method).map(([, name]) => name);
     const items = [
       ...here(scripted).map((name) => h("li", { title: "of the script" }, name)),
-      ...here(own).map((name) => h("li", {}, name, iconButton(icons.close, `Remove ${name}`, () => void this.configure({ method, name, doc: "", arguments: [] }, [], true)))),
+      ...here(own).map((name) => h("li", {}, name, iconButton(icons.close, `Remove ${name}`, () => void this.configure({ method, name, doc: "", arguments: [], later: false }, [], true)))),
     ];
     const addable = settings.filter(({ name }) => !here(own).includes(name));
     if (items.length + addable.length === 0) return null;

@@ -21,6 +21,8 @@ export class Clock {
   private readonly play = iconButton(icons.pause, "Pause", () => this.toggle(), "P");
   private readonly stepButton = iconButton(icons.step, "One tick", () => this.step(), ".");
   private readonly speed = h("select", { title: "speed", "aria-label": "speed", onchange: () => this.setSpeed() });
+  /** what stands elsewhere on a phone */
+  private readonly rest: HTMLElement[];
   private readonly buttons: (HTMLButtonElement | HTMLSelectElement)[];
   /** the speed of the last frame that changed the list, and when a different choice of the user counts as refused, ms */
   private told = 1;
@@ -35,12 +37,19 @@ export class Clock {
     for (const speed of SPEEDS) this.speed.append(h("option", { value: String(speed) }, `×${speed}`));
     this.speed.append(h("option", { value: "max" }, "max"));
     this.speed.value = "1";
-    this.element = h("div", { class: "clock" }, this.play, this.stepButton, reset, this.speed, this.time, this.factor);
+    this.rest = [this.stepButton, reset, this.speed];
+    this.element = h("div", { class: "clock" }, this.play, ...this.rest, this.time, this.factor);
     connection.on("saved_files", ({ waiting }) => (this.edited = waiting));
     connection.on("pace", (pace) => {
       this.pace = pace;
       this.showPace();
     });
+  }
+
+  /** Move all but play and the time into another element, or back. */
+  lend(place: HTMLElement | null): void {
+    if (place) place.prepend(...this.rest);
+    else this.play.after(...this.rest);
   }
 
   /** Watchers see the controls, but cannot use them. */

@@ -10,6 +10,8 @@ const MOST = 500;
 /** The log of the simulation; a line about a component is a link to the component. */
 export class LogPanel {
   readonly element = h("section", { class: "log", role: "log", "aria-label": "messages", tabIndex: 0 });
+  /** beside plots, shows the messages or hides them */
+  readonly tab = h("button", { type: "button", class: "messages", title: "Show or hide the messages", onclick: () => this.toggle() }, "messages");
   private readonly empty = h("p", { class: "quiet" }, "No messages yet.");
   /** earlier lines that are sent to a new page do not count as new */
   private fresh = false;
@@ -40,8 +42,13 @@ export class LogPanel {
     connection.on("log", (line) => this.add(line));
   }
 
+  private toggle(): void {
+    this.element.dataset["open"] = this.element.checkVisibility() ? "no" : "yes";
+  }
+
   /** Scroll to the last error that contains a text. */
   reveal(text: string): void {
+    this.element.dataset["open"] = "yes";
     const line = [...this.element.querySelectorAll("p.error, p.warning")].filter((one) => one.textContent?.includes(text)).at(-1);
     this.unread = null;
     this.mark(line ?? null);
@@ -64,6 +71,7 @@ export class LogPanel {
     if (level !== "error" && level !== "warning") return;
     if (component !== "") this.components.complain(component, level, text);
     if (!this.fresh || shown) return;
+    if (this.element.dataset["open"] === "no") delete this.element.dataset["open"];
     if (level === "error" && !this.element.checkVisibility()) this.unread ??= this.element.lastElementChild;
     this.onNews(level);
     this.toasts.show(firstLine(text) + placeIn(text), level === "error" ? "error" : "info", () => this.onOpen(text));

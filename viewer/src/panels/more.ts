@@ -10,7 +10,7 @@ export class MoreButton {
     this.element.classList.add("more");
     this.element.setAttribute("aria-controls", content.id);
     this.show(false);
-    content.addEventListener("click", () => this.show(false));
+    content.addEventListener("click", ({ target }) => target instanceof HTMLSelectElement || this.show(false));
     closeWhenLeft([content, this.element], this.element, () => this.open, () => this.show(false));
   }
 

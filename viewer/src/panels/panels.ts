@@ -86,7 +86,7 @@ export class Panels {
     };
     const log: LogPanel = new LogPanel(connection, components, toasts, (level) => (level === "error" ? shell.offer("bottom") : shell.flag("bottom", level)), openLog);
     const saved = new SavedPanel(connection, ({ file, text }) => openLog(text || file));
-    shell.bottom.append(this.editor.script.element, this.plots.element, log.element);
+    shell.bottom.append(this.editor.script.element, this.plots.element, log.tab, log.element);
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();
@@ -150,6 +150,13 @@ export class Panels {
       quitButton,
       iconButton(icons.help, "Keys", () => this.help.toggle(), "H"),
     );
+    // one row on a phone, too
+    const phone = matchMedia("(max-width: 560px)");
+    const arrange = (): void => {
+      clock.lend(phone.matches ? more : null);
+      if (phone.matches) more.prepend(listener.element);
+      else seat.element.before(listener.element);
+    };
     shell.header.append(
       shell.toggles.left,
       h("div", { class: "brand" }, h("span", { class: "mark" }), h("h1", {}, "MORSE"), scene),
@@ -167,6 +174,8 @@ export class Panels {
         new MoreButton(more).element,
       ),
     );
+    phone.addEventListener("change", arrange);
+    arrange();
   }
 
   private addShortcuts(): void {

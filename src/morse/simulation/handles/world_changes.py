@@ -264,7 +264,10 @@ class WorldChanges:
         """
         obj = self._object(name)
         try:
-            numbers = [float(number) for number in pose]
+            given = [*pose]
+            if any(isinstance(number, (str, bytes, bool)) for number in given):
+                raise TypeError
+            numbers = [float(number) for number in given]
         except (TypeError, ValueError):
             raise ValueError(f"the pose of '{name}' is {pose!r:.100}, expected a list of numbers") from None
         if len(numbers) not in (3, 6, 7) or not all(map(math.isfinite, numbers)):
