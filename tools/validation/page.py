@@ -17,6 +17,7 @@ import pictures
 import seeing
 import senses
 import sensing
+import traffic
 import weather
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ CHAPTERS = (
     ("Weather", weather),
     ("People", people),
     ("Belts and lifts", facilities),
+    ("Traffic", traffic),
     ("The engine", engine),
 )
 HEAD = """# Validation

@@ -165,6 +165,7 @@ from morse.plugins.facilities.handling import Conveyor as Conveyor
 from morse.plugins.facilities.handling import Dispenser as Dispenser
 from morse.plugins.facilities.handling import Turntable as Turntable
 from morse.plugins.people.builder import Crowd as Crowd
+from morse.plugins.traffic.builder import Traffic as Traffic
 from morse.scene.scene import TimeStrategies as TimeStrategies
 from typing import Any, Literal
 import logging as logging
@@ -352,6 +353,7 @@ __all__ = [
     "TimeStrategies",
     "TimedPath",
     "Torus",
+    "Traffic",
     "TrafficLight",
     "Turntable",
     "USBL",

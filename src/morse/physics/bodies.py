@@ -90,7 +90,12 @@ class KinematicBodies:
         self._rows = [row for row, index in enumerate(indices) if state.slots[index].mocap >= 0]
         self._mocap = np.array([state.slots[indices[row]].mocap for row in self._rows], dtype=np.intp)
 
-    def place(self, positions: NDArray[np.float64], quaternions: NDArray[np.float64]) -> None:
+    def place(
+        self,
+        positions: NDArray[np.float64],
+        quaternions: NDArray[np.float64],
+        velocities: NDArray[np.float64] | None = None,
+    ) -> None:
         """See `morse.core.world.KinematicBodies`."""
         state, count = self._state, len(self._indices)
         if state.model is not self._model:
@@ -101,6 +106,11 @@ class KinematicBodies:
         lengths = np.sqrt((q * q).sum(axis=1))
         if not (np.abs(p) <= POSITION.limit).all() or not (np.isfinite(lengths) & (lengths > 0.0)).all():
             raise ValueError(f"positions are at most {POSITION.limit:g} m, quaternions are not 0, and both are finite")
+        if velocities is not None:
+            told = np.asarray(velocities, dtype=np.float64)
+            if told.shape != (count, 3) or not (np.abs(told) <= VELOCITY.limit).all():
+                raise ValueError(f"velocities are ({count}, 3) and at most {VELOCITY.limit:g} m/s, got {told.shape}")
+            state.placed.update(zip(self._indices.tolist(), ((one, _STILL[:3]) for one in told.tolist()), strict=True))
         q = q / lengths[:, None]
         w, x, y, z = q.T
         rotations = np.stack(
@@ -304,7 +314,7 @@ class Bodies:
             return self._hinge_velocity(index, slot)
         if slot.frame.motion is Motion.JOINT:
             return self._link_velocity(index, slot)
-        return state.kinematic.get(index, _AT_REST)
+        return state.kinematic.get(index) or state.placed.get(index, _AT_REST)
 
     def _hinge_velocity(self, index: int, slot: Slot) -> tuple[Sequence[float], Sequence[float]]:
         state = self._state

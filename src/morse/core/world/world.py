@@ -397,12 +397,19 @@ class Fleet(Protocol):
 class KinematicBodies(Protocol):
     """Bodies of the type ``KINEMATIC``, which nothing but calls moves: people, doors, belts, cars."""
 
-    def place(self, positions: NDArray[np.float64], quaternions: NDArray[np.float64]) -> None:
+    def place(
+        self,
+        positions: NDArray[np.float64],
+        quaternions: NDArray[np.float64],
+        velocities: NDArray[np.float64] | None = None,
+    ) -> None:
         """Set all poses.
 
         Args:
             positions: (N, 3) of the origins in the world, m.
             quaternions: (N, 4) w, x, y, z from the axes of the bodies to those of the world; they are normalised.
+            velocities: (N, 3) that sensors of velocities measure until the next call, world axes, m/s; None for those
+                of the last call, which are 0 at first.
 
         Raises:
             ValueError: an array has another shape, or a value is not finite or too large.

@@ -370,6 +370,7 @@ class EngineState:
         relocated: all static slots that were moved by explicit calls since the last reset or restored state.
         rearranged: nodes whose shapes moved within their slots since the last ray cast.
         kinematic: linear and angular velocity, world axes, of slots that move kinematically in this tick.
+        placed: linear and angular velocity, world axes, of slots that explicit calls have placed.
         has_forces: whether forces or torques are set for the next tick.
         is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
         has_gaps: whether the engine may report contacts within a gap around a shape.
@@ -488,6 +489,7 @@ class EngineState:
         self.relocated: set[int] = set()
         self.rearranged: set[Node] = set()
         self.kinematic: dict[int, tuple[Sequence[float], Sequence[float]]] = {}
+        self.placed: dict[int, tuple[Sequence[float], Sequence[float]]] = {}
         self.has_forces = False
         self.is_stirred = True
         self.known_contacts: NDArray[np.int32] | None = None
