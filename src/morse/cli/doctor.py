@@ -31,6 +31,7 @@ _GROUPS = {
     "morse.checks": "check of scenes",
     "morse.environment": "method of the environment",
     "morse.commands": "command",
+    "morse.tasks": "learning tasks",
 }
 #: groups whose entry points have to name objects of a class
 _USES: dict[str, Callable[[object], object]] = {"morse.middlewares": as_middleware, "morse.formats": as_format}

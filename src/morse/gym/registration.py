@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import inspect
+import logging
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
+from morse.core.classes.plugins import PluginError, entry_points, load
 from morse.gym.env import TaskEnv
 from morse.gym.vector import vector
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,7 +57,31 @@ TASKS = {
 }
 
 
+logger = logging.getLogger(__name__)
+
+
 def register_all() -> None:
-    """Register the tasks of MORSE: Gymnasium knows them when `morse.gym` is imported."""
-    for name, task in TASKS.items():
+    """Register the tasks of MORSE, and of packages with an entry point ``morse.tasks``: a dictionary as `TASKS`.
+
+    Gymnasium knows them when `morse.gym` is imported.
+    """
+    found = dict(TASKS)
+    for point in entry_points("morse.tasks"):
+        try:
+            # a name that exists keeps its task
+            found = {**load(point, _checked), **found}
+        except PluginError as error:  # a broken package must not prevent loading the others
+            logger.warning("the tasks of %s are left out: %s", point.value, error, extra=OF_MACHINE)
+    for name, task in found.items():
         register(name, task)
+
+
+def _checked(entry: object) -> dict[str, str]:
+    if not isinstance(entry, dict):
+        raise TypeError(f"expected a dictionary of names and 'module:class', got {type(entry).__name__}")
+    for name, task in entry.items():
+        if not isinstance(name, str) or not isinstance(task, str) or ":" not in task:
+            raise TypeError(
+                f"expected a name such as 'my_lab/Park-v0' and 'module:class', got {name!r:.80}: {task!r:.80}"
+            )
+    return entry

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.assets.search import find_file
 from morse.builder.components.robot import Robot
 from morse.builder.errors import checks
+from morse.builder.names.frames import source_line
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -34,6 +38,10 @@ class Crowd(Robot):
         radius: of a body seen from above, m.
         children, wheelchairs: shares of the people, 0 to 1.
         groups: share of the people who walk in groups of 2 to 4.
+        recorded: file with trajectories, see `morse.plugins.people.recorded`; the people are those of the file, and
+            walk as they have walked, whatever is in their way.
+        rate: frames in a second of that file; None for what the file says, or else for rows 0.4 s apart.
+        repeat: s, after which the trajectories begin again; 0 for never.
 
     Raises:
         ValueError: a number is out of its range.
@@ -53,6 +61,9 @@ class Crowd(Robot):
         children: float = 0.0,
         wheelchairs: float = 0.0,
         groups: float = 0.0,
+        recorded: str | None = None,
+        rate: float | None = None,
+        repeat: float = 0.0,
     ) -> None:
         # `from morse.builder import *` loads no numpy
         import numpy as np
@@ -76,6 +87,13 @@ class Crowd(Robot):
             "Groups": checks.share(groups, "Crowd(groups)"),
         }
         super().__init__("", name)
+        self._tracks: list[list[list[float]]] = []
+        self._repeat = checks.number(repeat, "Crowd(repeat)", minimum=0.0, maximum=1e6)
+        if recorded is not None:
+            if rate is not None:
+                rate = checks.number(rate, "Crowd(rate)", above=0.0, maximum=1000.0)
+            self._tracks = self._read(recorded, rate)
+            number = len(self._tracks)
         self.count = number
         self._flows: list[dict[str, Any]] = []
         self._attention: dict[str, float] = {}
@@ -95,6 +113,16 @@ class Crowd(Robot):
         node.properties["Heights"] = json.dumps(heights)
         node.properties["Rides"] = rides
         self._tell()
+
+    def _read(self, path: str, rate: float | None) -> list[list[list[float]]]:
+        from morse.plugins.people.recorded import TrajectoryError, read
+
+        where = source_line(self)
+        try:
+            file = find_file(str(path), *([Path(where.file).parent] if where else []))
+            return read(read_regular(file), file.name, rate)
+        except (OSError, TrajectoryError) as error:
+            raise ValueError(f"Crowd(recorded): {error}") from None
 
     def start(
         self,
@@ -124,6 +152,8 @@ class Crowd(Robot):
             ValueError: the area is no polygon, or smaller than the people; or two people would stand at one place.
         """
         what = "Crowd.start"
+        if self._tracks:
+            raise TypeError(f"{what}: recorded people begin where their trajectories begin")
         if (area is None) == (places is None):
             raise TypeError(f"{what} takes an area or places")
         exact = [] if places is None else self._exact(places, f"{what}(places)")
@@ -194,7 +224,10 @@ class Crowd(Robot):
 
     def _tell(self) -> None:
         """Write the plan into the properties of the scene, where the component finds it."""
-        self.scene_node.properties["Plan"] = json.dumps({"flows": self._flows, "default": self._default})
+        plan: dict[str, object] = {"flows": self._flows, "default": self._default}
+        if self._tracks:
+            plan |= {"tracks": self._tracks, "repeat": self._repeat}
+        self.scene_node.properties["Plan"] = json.dumps(plan)
 
     def _declaration(self, robot: Any) -> Any:
         # robots have their names only now

@@ -47,7 +47,7 @@ class SocialForce(NamedTuple):
         strength, range: of the elliptical repulsion, m/s^2 and m.
         step: s, for which the others are seen to walk on.
         ahead: share of the repulsion of those behind, 0..1.
-        wall, wall_range: of the repulsion of walls, m/s^2 and m: A / m and B of 2000.
+        wall, wall_range: of the repulsion of walls, m/s^2 and m, by the distance of the centre (Moussaid et al. 2009).
         gaze, attraction, separation: of groups, 1/s^2 and m/s^2.
     """
 
@@ -58,8 +58,8 @@ class SocialForce(NamedTuple):
     range: float = 3.22
     step: float = 0.5
     ahead: float = 0.06
-    wall: float = 25.0
-    wall_range: float = 0.08
+    wall: float = 3.0
+    wall_range: float = 0.1
     gaze: float = 4.0
     attraction: float = 3.0
     separation: float = 1.0
@@ -374,7 +374,7 @@ class Walkers:
         weight = model.ahead + (1.0 - model.ahead) * 0.5 * (1.0 + cosine)
         total += sums(pairs.first, (size * weight)[:, None] * towards, len(total))
         gap, normal = self.ground.clearance(self.position)
-        room = (gap - _BY_WALLS * self.radius) / model.wall_range
+        room = gap / model.wall_range
         push = np.where(room < 8.0, model.wall * portable.exp(-np.clip(room, 0.0, 8.0)), 0.0)
         total += push[:, None] * normal
         if (self.group >= 0).any():

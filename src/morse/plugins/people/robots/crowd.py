@@ -19,7 +19,8 @@ from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.people.contacts import Places, Surroundings
 from morse.plugins.people.gait import Gait
-from morse.plugins.people.walking import Orca, SocialForce, Walkers
+from morse.plugins.people.recorded import FASTEST, Tracks, checked
+from morse.plugins.people.walking import Orca, SocialForce, Walkers, length
 from morse.plugins.people.wayfinding import Ground, Way, inside, walls
 from morse.scene import PhysicsType
 
@@ -33,14 +34,16 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: what a person does
-WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT = range(8)
-_WORDS = ("walks", "stopped", "sent", "waits", "arrived", "gone", "outside", "left out")
+WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT, RECORDED = range(9)
+_WORDS = ("walks", "stopped", "sent", "waits", "arrived", "gone", "outside", "left out", "recorded")
 _STANDING = (STOPPED, WAITS, ARRIVED, LEFT_OUT)
 _ABSENT = (GONE, OUTSIDE, LEFT_OUT)
 #: m, around starts and goals, in which ways are searched
 _AROUND = 12.0
 #: m: a person has arrived; m: how far from a solid object people stop who go to it
 _ARRIVES, _BESIDE = 0.4, 3.0
+#: m: people who are that near to a goal come there at the same time
+_CROWDED = 1.5
 #: m: nobody begins in something of at least that height
 _FLAT = 0.05
 #: tries for each person to find a free place; places to enter at, one after the other
@@ -201,6 +204,12 @@ class Crowd(Robot):
     def _read_plan(self) -> list[dict[str, Any]]:
         plan = _json(self, "Plan", self._plan, dict)
         flows = [dict(flow) for flow in plan.get("flows", ())]
+        try:
+            self._tracks = checked(plan)
+        except ValueError as error:
+            raise MorseError(f"{self.name()}: {error}") from None
+        if self._tracks is not None:
+            return []
         if not flows:
             raise MorseError(f"{self.name()}: nobody knows where to begin: write crowd.start(area)")
         default = plan.get("default") or {"goals": [], "then": "stay", "wait": 0.0}
@@ -215,9 +224,9 @@ class Crowd(Robot):
 
     def _survey(self, radius: float) -> Ground:
         """Return the ground around the starts and goals, with the walls of the scene."""
-        points = [np.array(flow["area"]) for flow in self._flows]
+        points: list[Floats] = [np.array(flow["area"]) for flow in self._flows]
         points += [np.array(goal).reshape(-1, 2) for flow in self._flows for goal in self._places(flow)]
-        every = np.concatenate(points)
+        every = np.concatenate(points) if self._tracks is None else np.stack([self._tracks.low, self._tracks.high])
         low, high = every.min(axis=0) - _AROUND, every.max(axis=0) + _AROUND
         if float((high - low).max()) > 2000.0:
             raise MorseError(f"{self.name()}: starts and goals are {(high - low).max():.0f} m apart: at most 2000 m")
@@ -311,6 +320,8 @@ class Crowd(Robot):
                 self.walkers.position[row] = place
                 places.take(place, float(self.walkers.radius[row]))
         self.mode[self.flow < 0] = LEFT_OUT
+        if self._tracks is not None:
+            self._follow(self._tracks, begins=True)
         if left_out:
             text = f"{self.name()}: {left_out} of {count} people are left out: the rest of their area is occupied"
             self.context.complaints.warn(text, text)
@@ -388,15 +399,35 @@ class Crowd(Robot):
 
     # -- the tick --------------------------------------------------------------------------
 
+    def _follow(self, tracks: Tracks, *, begins: bool = False) -> None:
+        """Set the people of trajectories where they are: at the end of this tick, or at the beginning of the run."""
+        walkers, time = self.walkers, self.clock.time
+        before, here = tracks.at(time), tracks.at(time + (0.0 if begins else self._seconds))
+        was_there = np.isin(self.mode, (RECORDED, GONE)) & (not begins)
+        came = here.present & ~(self.mode == RECORDED)
+        self.mode[:] = np.where(here.present, RECORDED, np.where(was_there, GONE, OUTSIDE))
+        velocity = (here.position - before.position) / self._seconds
+        # nobody walks from the end of a trajectory to its beginning
+        jumps = length(velocity) > FASTEST
+        velocity[jumps | ~here.present] = 0.0
+        walkers.position, walkers.velocity, walkers.present = here.position, velocity, here.present.copy()
+        walkers.push[:] = walkers.leave[:] = 0.0
+        if not begins and (came | jumps).any():
+            self.gait.stand(np.flatnonzero(came | jumps), walkers.position)
+
     def default_action(self) -> None:
         """Walk for a tick."""
         walkers = self.walkers
-        self._enter()
-        self._advance()
-        self._look_ahead()
-        others = self._around.seen(self._count)
-        self._touch()
-        walkers.step(self._seconds, self._law, others)
+        if self._tracks is not None:
+            self._touch()
+            self._follow(self._tracks)
+        else:
+            self._enter()
+            self._advance()
+            self._look_ahead()
+            others = self._around.seen(self._count)
+            self._touch()
+            walkers.step(self._seconds, self._law, others)
         self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted)
         self._show()
 
@@ -428,8 +459,10 @@ class Crowd(Robot):
                 if not len(rows):
                     continue
                 there = mine & (self.stage == stage) & np.isin(self.mode, (WAITS, ARRIVED))
-                reach = _ARRIVES + 0.35 * math.sqrt(int(there.sum()))
-                rows = rows[self.ground.time(way, self.walkers.position[rows]) < reach]
+                left = self.ground.time(way, self.walkers.position[rows])
+                # those who come and those who are there have room side by side: 2.6 people on a square metre
+                crowded = int(there.sum()) + int((left < _CROWDED).sum())
+                rows = rows[left < _ARRIVES + 0.35 * math.sqrt(max(crowded - 1, 0))]
                 self.mode[rows] = WAITS
                 self.until[rows] = now + flow["wait"]
             rows = np.flatnonzero(mine & (self.mode == WAITS) & (self.until <= now))
@@ -516,6 +549,7 @@ class Crowd(Robot):
             "velocity": [*walkers.velocity[person].tolist(), 0.0],
             "yaw": math.atan2(float(heading[1]), float(heading[0])),
             "radius": float(walkers.radius[person]),
+            "desired_velocity": float(walkers.free_speed[person]),
             "state": _WORDS[self.mode[person]],
         }
 
@@ -530,6 +564,11 @@ class Crowd(Robot):
             raise MorseRPCInvokationError(
                 f"person {person} of {self.name()} is not in the world: {_WORDS[self.mode[person]]}"
             )
+
+    def _obey(self) -> None:
+        """Refuse commands to people who walk as others have walked."""
+        if self._tracks is not None:
+            raise MorseRPCInvokationError(f"{self.name()} follows recorded trajectories: it obeys nobody")
 
     def _demand_way(self, x: float, y: float) -> Way:
         if not np.isfinite([x, y]).all():
@@ -555,6 +594,7 @@ class Crowd(Robot):
             x: metres, in the world.
             y: metres, in the world.
         """
+        self._obey()
         self._check(person)
         way = self._demand_way(x, y)
         if math.isinf(float(self.ground.time(way, self.walkers.position[[person]])[0])):
@@ -570,6 +610,7 @@ class Crowd(Robot):
             y: metres, in the world.
             count: number of people.
         """
+        self._obey()
         way = self._demand_way(x, y)
         rows = np.flatnonzero(self.walkers.present)
         time = self.ground.time(way, self.walkers.position[rows])
@@ -585,6 +626,7 @@ class Crowd(Robot):
         Args:
             person: number of the person; -1 for all.
         """
+        self._obey()
         if person >= 0:
             self._check(person)
         rows = np.flatnonzero(self.walkers.present) if person < 0 else np.array([person])
@@ -597,6 +639,7 @@ class Crowd(Robot):
         Args:
             person: number of the person; -1 for all.
         """
+        self._obey()
         if person >= 0:
             self._check(person)
         rows = np.flatnonzero(self.walkers.present) if person < 0 else np.array([person])

@@ -6,7 +6,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_property
+from morse.helpers.components import add_data, add_kind, add_property
 from morse.plugins.people.robots.crowd import Crowd
 
 
@@ -26,8 +26,9 @@ class PeopleTracker(Sensor):
         [],
         "list<objects>",
         "Those within the range, the nearest first: name, id, group_id, position (m) and velocity (m/s) in the world, "
-        "yaw (rad), radius (m), state",
+        "yaw (rad), radius (m), desired_velocity (m/s), state",
     )
+    add_kind("people", records="people")
     add_property("_range", 20.0, "Range", "float", "Largest distance", unit="m", low=0.0, high=1e4)
     add_property("_occlusion", False, "Occlusion", "bool", "Leave out who is behind something else")
 
