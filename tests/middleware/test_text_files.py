@@ -153,3 +153,30 @@ def test_the_example_of_the_documentation(tmp_path: Path, capsys: pytest.Capture
     done = subprocess.run([sys.executable, "-c", reader], cwd=tmp_path, capture_output=True, text=True, check=True)
     # a battery with the default discharge of 0.05 % per second has lost no more than that
     assert re.fullmatch(r"\d+ measurements, charge at the end (99\.\d\d|100\.00) %\n", done.stdout)
+
+
+def test_each_row_of_a_batch_has_its_own_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    table = '"morse.middleware.text.datastream.CSVPublisher", file="poses.csv"'
+    streams = f'pose.add_stream("text"); pose.add_stream("text", {table})'
+    path = scene(tmp_path, streams)
+    with morse.batch(path, 3) as many:
+        pose = many.read("robot.pose", "x")
+        many.place([0, 1, 2], "robot", [[5.0 + row, 0.0, 0.5] for row in range(3)])
+        many.step(30, measure=True)
+        assert pose.round(1).ravel().tolist() == [5.0, 6.0, 7.0]
+    written = {file.name: file.read_text() for file in tmp_path.iterdir() if file != path}
+    assert sorted(written) == sorted(
+        f"{name}-row{row}{suffix}" for row in range(3) for name, suffix in (("robot.pose", ".txt"), ("poses", ".csv"))
+    )
+    for row in range(3):
+        blocks = list(BLOCK.finditer(written[f"robot.pose-row{row}.txt"]))
+        assert [int(block["index"]) for block in blocks] == list(range(len(blocks)))
+        assert float(blocks[-1]["place"].split()[0]) == pytest.approx(5.0 + row, abs=0.01)
+        assert len(written[f"poses-row{row}.csv"].splitlines()) == 1 + len(blocks)
+
+
+@pytest.mark.parametrize("label", ["../x", "a/b", "a\n", "x" * 41, 3])
+def test_a_label_of_files_stays_in_its_folder(label, tmp_path):
+    with pytest.raises(ValueError, match="file_label is a part of the name of a file"):
+        morse.load(scene(tmp_path), file_label=label)

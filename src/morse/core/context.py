@@ -83,6 +83,8 @@ class Context:
         paused: whether no time passes except for the ticks that a client requests.
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
+        file_label: what the names of files that streams write get before their suffix, such as ``-row3`` in a batch;
+            None if they write no files, because the simulation is a copy of another one.
         drawn: names of the generators of random numbers, whose states depend on the seed.
         robot_seeds: seeds of the robots that have been restarted with seeds of their own.
         arrivals: the share of the time for what clients send.
@@ -100,6 +102,7 @@ class Context:
     drawn: set[str] = field(default_factory=set, init=False)
     robot_seeds: dict[str, int] = field(default_factory=dict)
     host: str = "127.0.0.1"
+    file_label: str | None = ""
     strict: bool = False
     image_workers: int | str = 0
     robots: dict[str, Carrier] = field(default_factory=dict)

@@ -45,7 +45,7 @@ class Team(RowArrays):
         super().__init__()
         self._agents = list(agents)
         self._scenes = Scenes(scene[0] if isinstance(scene, list) else scene, 1, (), {"on_failure": "raise"})
-        self._simulation = self._scenes.load(0, seed)
+        self._simulation = self._scenes.load(0, seed, "")
         self._window: Window | None = None
         try:
             self._handles(AGENT)

@@ -84,7 +84,9 @@ class Rows:
         self._mode = mode
         self._over = np.zeros(count, bool)  # rows whose episode has ended and that have not begun another
         self.episodes = Episodes(
-            task, lambda one: batch(scenes_of(one, first, count), count, seed=first, on_failure="raise"), first
+            task,
+            lambda one: batch(scenes_of(one, first, count), count, seed=first, first_row=first, on_failure="raise"),
+            first,
         )
         self.count = count
         self.spaces = self.episodes.observation_space, self.episodes.action_space

@@ -7,6 +7,7 @@ import logging
 import math
 import numbers
 import os
+import re
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse.main")
 
+#: see `load`
+_LABEL = re.compile(r"[\w-]{0,40}")
 _ON_FAILURE = ("deactivate", "raise")
 _ON_WARNING = ("log", "raise")
 _VIEWS = ("web", "studio", "none", None)
@@ -58,6 +61,7 @@ def load(
     record: str | os.PathLike[str] | None = None,
     keep_last: float = 0.0,
     cameras_on: int | str | None = None,
+    file_label: str | None = "",
 ) -> Simulation:
     """Load a scene. Simulated time advances when `Simulation.step` or `Simulation.run` is called.
 
@@ -92,6 +96,8 @@ def load(
         cameras_on: number of processes that render the images of cameras, ``processes`` for one on each processor, or
             ``ray://auto`` for the cluster of Ray of this machine; None for the value of the scene, which is 0 by
             default. The images are the same.
+        file_label: what the names of files that streams write get before their suffix, such as ``-run7``, so that
+            several simulations do not write the same file; None to write no such files.
 
     Raises:
         FileNotFoundError: the file does not exist.
@@ -104,6 +110,10 @@ def load(
     _check(seed, view, arguments, speed, view_port)
     _check_word("on_failure", on_failure, _ON_FAILURE)
     _check_word("on_warning", on_warning, _ON_WARNING)
+    if file_label is not None and not (isinstance(file_label, str) and _LABEL.fullmatch(file_label)):
+        raise ValueError(
+            f"file_label is a part of the name of a file, up to 40 letters, digits, '_' and '-', not {file_label!r:.80}"
+        )
     if isinstance(keep_last, bool) or not isinstance(keep_last, numbers.Real) or not 0.0 <= float(keep_last) < math.inf:
         raise ValueError(f"keep_last is a number of simulated seconds, not {keep_last!r:.80}")
     options = RunOptions(
@@ -125,6 +135,7 @@ def load(
         record=None if record is None else os.fspath(record),
         keep_last=float(keep_last),
         cameras_on=None if cameras_on is None else image_workers(cameras_on),
+        file_label=file_label,
     )
     with scene_warnings(refused=on_warning == "raise"):
         simulation = start(described(scene, options), options)

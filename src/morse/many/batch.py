@@ -35,24 +35,28 @@ def batch(
     *,
     seed: int | Sequence[int] = 0,
     arguments: Sequence[object] = (),
+    first_row: int = 0,
     **options: object,
 ) -> Batch:
     """Load many simulations, the rows of a batch.
 
     Row ``k`` has the data of ``morse.load(scene, seed=seeds[k])`` alone, bit for bit, whatever the other rows do.
 
+    A stream that writes a file writes one for each row, with the number of the row in its name: ``robot.pose-row3.txt``.
+
     Args:
         scene: a scene as for `morse.load`; or a list of scenes with the same robots, which the rows use in turn.
         rows: number of rows, N; by default the number of scenes, or of lists of arguments.
         seed: a number for the seeds ``seed``, ``seed + 1``, …; or a list of one seed for each row.
         arguments: ``sys.argv[1:]`` of a scene script; or a list of such lists, which the rows use in turn.
+        first_row: number of the first row in names of files, for one of several batches.
         options: other arguments of `morse.load`: ``strict``, ``on_failure``, ``on_warning``.
 
     Raises:
         ValueError: the number of rows is missing, or the numbers of rows and seeds differ.
         FileNotFoundError, ScriptError, LoadError: see `morse.load`; a note names the row.
     """
-    return Batch(scene, rows, seed=seed, arguments=arguments, **options)
+    return Batch(scene, rows, seed=seed, arguments=arguments, first_row=first_row, **options)
 
 
 class Batch(RowArrays):
@@ -71,6 +75,7 @@ class Batch(RowArrays):
         *,
         seed: int | Sequence[int] = 0,
         arguments: Sequence[object] = (),
+        first_row: int = 0,
         **options: object,
     ) -> None:
         super().__init__()
@@ -82,7 +87,7 @@ class Batch(RowArrays):
         self._window: Window | None = None
         try:
             for row, one in enumerate(self.seeds):
-                simulation = self._scenes.load(row, one)
+                simulation = self._scenes.load(row, one, f"-row{first_row + row}")
                 simulation.delays_interrupts = False
                 self._simulations.append(simulation)
             self._batched_step = BatchedStep(self._simulations, self._commands)

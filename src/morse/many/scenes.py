@@ -168,11 +168,15 @@ class Scenes:
                 f"a batch has at least one row and one scene, not {self.rows} rows of {lengths or [1]} scenes"
             )
 
-    def load(self, row: int, seed: int | None) -> Simulation:
-        """Load the simulation of a row; errors name the row."""
+    def load(self, row: int, seed: int | None, label: str | None = None) -> Simulation:
+        """Load the simulation of a row; errors name the row.
+
+        Args:
+            label: see ``file_label`` of `morse.load`.
+        """
         scene, arguments = self._scenes[row % len(self._scenes)], self._arguments[row % len(self._arguments)]
         try:
-            return load(scene, seed=seed, arguments=arguments, **self._options)
+            return load(scene, seed=seed, arguments=arguments, file_label=label, **self._options)
         except Exception as error:
             if self.rows > 1:
                 error.add_note(f"while row {row} of the batch was loaded")
@@ -189,7 +193,13 @@ class Scenes:
 
         scene, arguments = self._scenes[row % len(self._scenes)], self._arguments[row % len(self._arguments)]
         options = RunOptions(
-            arguments=list(arguments), sockets=False, view="web", view_port=port, open_browser=False, speed=math.inf
+            arguments=list(arguments),
+            sockets=False,
+            view="web",
+            view_port=port,
+            open_browser=False,
+            speed=math.inf,
+            file_label=None,
         )
         description = described(scene, options)
         resolve(description)

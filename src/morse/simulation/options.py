@@ -40,6 +40,7 @@ class RunOptions:
         keep_going: whether a part that fails, and a robot that leaves the world, change neither the length nor the exit
             status of a run.
         on_warning: ``log`` logs warnings about the scene; ``raise`` refuses a scene that has any.
+        file_label: what the names of files that streams write get before their suffix; None if they write no files.
         on_failure: ``deactivate`` switches off a part that raises an error; ``raise`` also raises the error.
     """
 
@@ -48,6 +49,7 @@ class RunOptions:
     source_paths: list[str] = field(default_factory=list)
     resource_paths: list[str] = field(default_factory=list)
     node_name: str | None = None
+    file_label: str | None = ""
     sockets: bool = True
     interfaces: list[str] = field(default_factory=list)
     view: str = "web"

@@ -88,6 +88,7 @@ class Simulation(Finalizing, Handles, Paused, SimulationPictures):
             network=_network(options),
             seed=settings.seed if options.seed is None else options.seed,
             host=options.host,
+            file_label=options.file_label,
             strict=options.strict,
             image_workers=image_workers(settings.cameras_on if options.cameras_on is None else options.cameras_on),
         )

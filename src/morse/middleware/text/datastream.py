@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from abc import abstractmethod
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -163,6 +164,8 @@ def _cell(text: str) -> str:
 class TextDatastreamManager(DatastreamManager):
     """One file for each stream, in the working directory or with the path of the option ``file``.
 
+    In a batch, each row has files of its own, ``robot.pose-row3.txt`` (`Context.file_label`).
+
     A file is overwritten when a simulation is loaded, and continued when the simulation is reset. A robot that is
     spawned later overwrites no file: a number is added to the name of its file if there is one, because clients name
     robots. Data are flushed at least once per simulated second.
@@ -200,7 +203,11 @@ class TextDatastreamManager(DatastreamManager):
         return stream
 
     def _file(self, name: str, choice: str | None) -> TextFile:
+        label = self.context.file_label
         path = expanded(choice).absolute() if choice else Path(f"{file_name(name)}.txt").absolute()
+        if label is None:
+            return TextFile(Path(os.devnull), name, self._note)
+        path = path.with_name(f"{path.stem}{label}{path.suffix}")
         if not choice and self._is_running and path not in self._files:
             if path not in self._instead:
                 self._instead[path] = free_path(path)
