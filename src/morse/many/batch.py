@@ -42,7 +42,7 @@ def batch(
 
     Row ``k`` has the data of ``morse.load(scene, seed=seeds[k])`` alone, bit for bit, whatever the other rows do.
 
-    A stream that writes a file writes one for each row, with the number of the row in its name: ``robot.pose-row3.txt``.
+    A stream that writes a file writes one for each row, with its number in the name: ``robot.pose-row3.txt``.
 
     Args:
         scene: a scene as for `morse.load`; or a list of scenes with the same robots, which the rows use in turn.
