@@ -79,7 +79,8 @@ def test_check_rewrites_it(load: Load, tmp_path: Path, module: str) -> None:
         ("Sensor('')", "takes a non-empty string"),
         ("Sensor(3)", "takes a string, got 3"),
         ("Arm('a' * 1_000_000)", "there is no component"),
-        ("Sensor()", "missing 1 required positional argument: 'filename'"),
+        ("Sensor()", "Sensor() needs the name of a sensor: Sensor('gps'), or write its class, such as GPS()"),
+        ("Arm()", "Arm() needs the name of an actuator: Arm('kuka_lwr'), or write its class, such as KukaLWR()"),
         ("Pose().frequency(delay=-1)", "at least 0"),
         ("Pose().frequency(delay='soon')", "takes a number"),
         ("SensorCreator('a', 'no.such.Sensor')", "no.such.Sensor"),
@@ -90,6 +91,31 @@ def test_wrong_forms_are_errors_of_the_script(load: Load, line: str, answer: str
     with pytest.raises(ScriptError) as caught:
         load(f"from morse.builder import *\n{line}\nenv = Environment('empty')\n")
     assert answer in caught.value.report()[:3000]
+
+
+def test_components_that_had_a_shape_of_their_own_run_without(load: Load, caplog: pytest.LogCaptureFixture) -> None:
+    """The models of most sensors are gone."""
+    scene = load(
+        "from morse.builder import *\nrobot = ATRV()\n"
+        "class Foo(SensorCreator):\n    def __init__(self, name=None):\n"
+        '        SensorCreator.__init__(self, name, "morse.sensors.pose.Pose", "morse_pose")\n'
+        "foo = Foo()\nrobot.append(foo)\narm = Arm('kuka_arm')\nrobot.append(arm)\nenv = Environment('empty')\n"
+    )
+    classes = {part.name: part.classpath for part in scene.components}
+    assert classes["robot.foo"] == "morse.sensors.pose.Pose"
+    assert classes["robot.arm"] == "morse.actuators.armature.Armature"
+    assert "there is no model 'morse_pose' any more" in caplog.text
+
+
+def test_modifiers_have_options(load: Load) -> None:
+    scene = load(
+        "from morse.builder import *\nrobot = ATRV()\nimu = IMU()\nrobot.append(imu)\n"
+        "imu.configure_modifier('IMUNoise', gyro_std=0.5)\npose = Pose()\nrobot.append(pose)\n"
+        "pose.configure_modifier('NED', ['morse.modifiers.ned.MorseNED'])\nenv = Environment('empty')\n"
+    )
+    options = {part.name: [one.options for one in part.modifiers] for part in scene.components}
+    assert options["robot.imu"] == [{"gyro_std": 0.5}]
+    assert options["robot.pose"] == [{}]
 
 
 def test_a_name_of_the_script_comes_first(load: Load) -> None:

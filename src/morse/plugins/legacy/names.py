@@ -26,6 +26,12 @@ def _configure_mw(
     component.add_stream(datastream, method, path, **options)
 
 
+def _configure_modifier(component: Any, modifier: str, config: object = None, **options: object) -> None:
+    # the class of the modifier, a method and its file in the first versions
+    known = config if isinstance(config, dict) else {}
+    component.alter(modifier, **{**known, **options})
+
+
 def _nothing(_owner: object, *_args: object, **_kwargs: object) -> None:
     pass
 
@@ -35,7 +41,7 @@ _OF_COMPONENTS: Mapping[str, tuple[str, Callable[..., object]]] = {
     "configure_mw": ("add_stream", _configure_mw),
     "configure_middleware": ("add_stream", _configure_mw),
     "configure_service": ("add_service", lambda component, *a, **k: component.add_service(*a, **k)),
-    "configure_modifier": ("alter", lambda component, name, config=None: component.alter(name, **(config or {}))),
+    "configure_modifier": ("alter", _configure_modifier),
     "configure_overlay": ("add_overlay", lambda component, *a, **k: component.add_overlay(*a, **k)),
 }
 
