@@ -524,7 +524,65 @@ def test_what_gazebo_has_downloaded_is_read_from_its_cache(tmp_path, monkeypatch
     for up in ("..", "%2e%2e"):
         uri = f"{address}/2/files/{'/'.join([up] * 5)}/secret.obj"
         assert not has_mesh(load(world(folder, TABLE.format(uri))))
-    tree = "https://fuel.gazebosim.org/1.0/a/models/Tree"
+    tree = "https://fuel.gazebosim.org/1.0/a/models/Old%20Tree"
     twice = "".join(TABLE.format(f"{tree}/1/files/meshes/{i}.obj") for i in range(2))
     (warning,) = load(world(folder, twice.replace('name="table"', 'name="other"', 1))).warnings
     assert f"gz fuel download -u {tree}`" in warning
+
+
+#: a bar of 1 kg that hangs on a post by a joint of the world, horizontal at the start
+BAR = """<model name="bar"><pose>0.1 0 1.5 0 0 0</pose><link name="link"><inertial><pose>0.5 0 0 0 0 0</pose>
+  <mass>1</mass><inertia><ixx>0.001</ixx><iyy>0.083333</iyy><izz>0.083333</izz></inertia></inertial><collision name="c">
+  <pose>0.5 0 0 0 0 0</pose><geometry><box><size>1 0.04 0.04</size></box></geometry></collision></link></model>"""
+POST = """<model name="post"><static>true</static><pose>0 0 0.5 0 0 0</pose><link name="link"><collision name="c">
+  <geometry><box><size>0.04 0.04 1</size></box></geometry></collision></link></model>"""
+HINGE = """<joint name="hinge" type="revolute"><parent>{parent}</parent><child>bar::link</child>
+  <axis><xyz>0 1 0</xyz></axis></joint>"""
+
+
+@pytest.mark.parametrize("parent", ["post::link", "mark"])
+def test_joints_of_a_world_connect_its_models(tmp_path, parent) -> None:
+    frame = '<frame name="mark" attached_to="post"><pose>0 1 0 0 0 0</pose></frame>'
+    path = world(tmp_path, GROUND + POST + BAR + frame + HINGE.format(parent=parent))
+    library = load(path)
+    assert library.warnings == []
+    assert {"post::link", "bar::link"} <= {node.name for root in library.roots for node in root.walk()}
+
+    def script() -> None:
+        from morse.builder import Environment
+
+        Environment(str(path), fastmode=True)
+
+    with morse.load(script) as sim:
+        bar, post = (sim.world.game_object(name) for name in ("bar::link", "post::link"))
+        # a quarter of the period of a bar that starts at 90 degrees: K(sin 45) / sqrt(3 g / 2 l) = 0.4833 s
+        sim.step(29)
+        assert bar.world_pose()[0] == pytest.approx((0.1, 0.0, 1.5), abs=1e-3)
+        assert bar.world_pose()[1][0] == pytest.approx(0.0, abs=0.05)
+        assert bar.world_pose()[1][6] == pytest.approx(-1.0, abs=0.05)
+        assert post.world_pose()[0] == pytest.approx((0.0, 0.0, 0.5), abs=1e-9)
+
+
+def test_two_models_that_a_joint_connects_fall_together(tmp_path) -> None:
+    other = CRATE.partition(">")[2].replace("</sdf>", "").replace('"crate"', '"crate2"').replace("0 0 0.5", "2 0 0.5")
+    joint = '<joint name="weld" type="fixed"><parent>crate</parent><child>crate2</child></joint>'
+    path = world(tmp_path, CRATE.partition(">")[2].replace("</sdf>", "").replace("0 0 0.5", "0 0 3") + other + joint)
+
+    def script() -> None:
+        from morse.builder import Environment
+
+        Environment(str(path), fastmode=True)
+
+    with morse.load(script) as sim:
+        before = [sim.world.game_object(name).world_pose()[0][2] for name in ("crate::link", "crate2::link")]
+        sim.step(20)
+        after = [sim.world.game_object(name).world_pose()[0][2] for name in ("crate::link", "crate2::link")]
+        falls = [one - other for one, other in zip(before, after, strict=True)]
+        assert falls[0] == pytest.approx(falls[1], abs=5e-3)
+        assert falls[0] > 0.3
+
+
+def test_joints_to_nothing_are_left_out(tmp_path) -> None:
+    library = load(world(tmp_path, GROUND + POST + BAR + HINGE.format(parent="nothing")))
+    (warning,) = library.warnings
+    assert warning.endswith("joints between the models of the world are left out: hinge")

@@ -337,3 +337,22 @@ def test_a_sensor_of_a_joint_is_read_once_and_not_left_out(tmp_path, gazebo, kin
     library = read_urdf(tmp_path / "r.urdf")
     assert [(sensor.name, sensor.link) for sensor in library.sensors] == [("force", "hand")]
     assert library.warnings == []
+
+
+def test_the_mass_of_a_robot_is_that_of_all_its_links(tmp_path: Path) -> None:
+    robot(tmp_path, f'<mass value="2"/>{tensor(0.1, 0.1, 0.1, 0, 0, 0)}')
+
+    def script() -> None:
+        from morse.builder import Environment, Pioneer3DX, Robot
+
+        Robot(str(tmp_path / "robot.urdf"), name="whole").translate(z=2)
+        heavy = Robot(str(tmp_path / "robot.urdf"), name="heavy")
+        heavy.translate(x=3, z=2)
+        heavy.set_mass(10.0)
+        Pioneer3DX("wheels").translate(x=6)
+        Environment("empty", fastmode=True)
+
+    with morse.load(script) as sim:
+        masses = {name: sim.world.game_object(name).mass for name in ("whole", "heavy", "wheels", "b")}
+    # the wheels of a robot of MORSE are objects of their own
+    assert masses == pytest.approx({"whole": 5.0, "heavy": 10.0, "wheels": 9.0, "b": 2.0})

@@ -112,7 +112,8 @@ def _of_server(uri: str) -> tuple[str, str, list[Path], str]:
 
 
 def _not_downloaded(name: str, page: str) -> NotDownloadedError:
-    fetch = f"fetch it once with `gz fuel download -u {page:.200}`, or " if page else ""
+    # in an address, a space would be a second word of the command
+    fetch = f"fetch it once with `gz fuel download -u {page.replace(' ', '%20'):.200}`, or " if page else ""
     return NotDownloadedError(
         f"the model '{name:.80}' is not on this machine, and nothing is downloaded: {fetch}put it into a folder "
         f"'{name:.80}' in one of GZ_SIM_RESOURCE_PATH"

@@ -13,15 +13,13 @@ from morse.assets.sdf.geometry import Geometry
 from morse.assets.sdf.includes import Includes
 from morse.assets.sdf.materials import Materials
 from morse.assets.sdf.robots import Models
-from morse.assets.sdf.scope import MODEL, SEPARATOR, WORLD, FrameMistakeError, end_of, joints_of
+from morse.assets.sdf.scope import MODEL, SEPARATOR, WORLD, FrameMistakeError, Part, Scope, end_of, joints_of, links_of
 from morse.assets.sdf.worlds import add_world
 from morse.scene import Library
 from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
-
-    from morse.assets.sdf.scope import Scope
 
 _ENDS = ("parent", "child")
 
@@ -51,6 +49,66 @@ def move_into_models(world: Scope) -> None:
         del world.joints[name]
 
 
+def join_models(world: Scope) -> set[str]:
+    """Put models that joints of the world connect into one model each; return the names of these.
+
+    Links keep their names: those of nested models.
+    """
+    ends: dict[str, tuple[str, str]] = {}
+    group = {name: name for name in world.models}
+
+    def first(name: str) -> str:
+        while group[name] != name:
+            name = group[name]
+        return name
+
+    for name, part in world.joints.items():
+        try:
+            parent, child = (world.link_of(end_of(part, tag)) for tag in _ENDS)
+            world.pose_of(name)
+        except FrameMistakeError:
+            continue
+        heads = [end.partition(SEPARATOR)[0] for end in (parent, child)]
+        if all(head in group for head in heads):
+            ends[name] = parent, child
+            group[first(heads[1])] = first(heads[0])
+    members: dict[str, list[str]] = {}
+    for name in world.models:
+        members.setdefault(first(name), []).append(name)
+    wholes: set[str] = set()
+    for head in dict.fromkeys(first(child.partition(SEPARATOR)[0]) for _, child in ends.values()):
+        models = {name: world.models[name] for name in members[head]}
+        # a robot has the name of its first part that moves
+        name = next((name for name, model in models.items() if not model.static), head)
+        whole = Scope(name, world.path, models=models, self_collide=any(one.self_collide for one in models.values()))
+        for joint in [joint for joint, (_, child) in ends.items() if child.partition(SEPARATOR)[0] in models]:
+            part = world.joints.pop(joint)
+            element = _between(part.element, *ends[joint])
+            pose = world.pose_of(joint)
+            whole.joints[joint] = replace(part, element=element, home=MODEL, pose=pose, base=MODEL)
+        for own, model in models.items():
+            model.pose, model.base, model.placement = world.pose_of(own), "", ""
+            for link in links_of(model, f"{own}{SEPARATOR}") if model.static else ():
+                fixed = link.part.element.makeelement("joint", {"type": "fixed"})
+                joint = free_name(f"{link.name}_fixed", whole.joints.__contains__)
+                whole.joints[joint] = Part(joint, _between(fixed, WORLD, link.name), world.path, link.part.version)
+        world.replace_models(models, whole)
+        wholes.add(name)
+    return wholes
+
+
+def _between(joint: Element, parent: str, child: str) -> Element:
+    """A copy of a joint with other ends."""
+    element = deepcopy(joint)
+    for tag, link in zip(_ENDS, (parent, child), strict=True):
+        end = element.find(tag)
+        if end is None:
+            end = element.makeelement(tag, {})
+            element.append(end)
+        end.text = link
+    return element
+
+
 def read_sdf(path: str | Path) -> Library:
     """Read a model or a world.
 
@@ -78,10 +136,15 @@ def _read(path: Path, includes: Includes) -> Library:
     world = root.find("world")
     scope = includes.world(world if world is not None else _as_world(root), path, version_of(root))
     move_into_models(scope)
+    joined = join_models(scope)
     main = _robot_of(scope)
     for model in scope.models.values():
         try:
-            node = models.node(model, scope.pose_of(model.name), prefix="" if model is main else f"{model.name}::")
+            node = models.node(
+                model,
+                scope.pose_of(model.name),
+                prefix="" if model is main or model.name in joined else f"{model.name}::",
+            )
         except FrameMistakeError as error:
             if len(scope.models) == 1:
                 raise

@@ -14,7 +14,7 @@ from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, vect
 from morse.mathutils import Matrix, Vector
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
     from xml.etree.ElementTree import Element
 
@@ -106,6 +106,13 @@ class Scope:
         finally:
             self._asked.discard(name)
         return self._poses[name]
+
+    def replace_models(self, names: Iterable[str], model: Scope) -> None:
+        """Put a model in the place of others, which it has."""
+        for name in names:
+            del self.models[name]
+        self.models[model.name] = model
+        self._poses.pop(model.name, None)
 
     def place_of(self, part: Part) -> Matrix:
         """The 4x4 pose of a part in the frame of this scope; see `pose_of`."""

@@ -171,7 +171,9 @@ class GameObject(LegacyNames):
 
     @property
     def mass(self) -> float:
-        """Mass, kg; 0 for an object that is not dynamic."""
+        """Mass, kg, of a robot from a file with all of its links; 0 for an object that is not dynamic."""
+        if (bodies := self._world.whole.get(self.slot)) is not None:
+            return sum(self._world.bodies.masses[body] for body in bodies)
         slot = self._world.slots[self.slot]
         return self._world.bodies.masses[slot.body] if self.is_dynamic and slot.body > 0 else 0.0
 

@@ -344,6 +344,7 @@ class EngineState:
         links: slot of a body to all slots that joints attach to it.
         attached: slot of a body to its wheels and links.
         joints: armature to its joints by name.
+        whole: slot of a robot from a file to all of its bodies in the engine.
         file_motors: actuators of MJCF files that are no motors of single joints.
         geom_node: node of each geom.
         link_bodies: the body of each link of MJCF files, in the engine.
@@ -472,6 +473,14 @@ class EngineState:
                 outer = outer.parent
         self.attached = {
             index: (*self.wheels.get(index, ()), *self.links.get(index, ())) for index in {*self.wheels, *self.links}
+        }
+        roots, trees = self.model.body_rootid, dict[int, list[int]]()
+        for body in range(1, self.model.nbody):
+            trees.setdefault(int(roots[body]), []).append(body)
+        self.whole: dict[int, tuple[int, ...]] = {
+            index: tuple(trees[slot.body])
+            for index, slot in enumerate(self.slots)
+            if slot.frame.motion is Motion.FREE and len(trees.get(slot.body, ())) > 1 and index not in self.wheels
         }
         self.has_gaps = bool(self.model.geom_gap.any())
         self.by_hand = tuple(
