@@ -96,7 +96,7 @@ def test_its_parameters_are_those_of_a_search(tmp_path):
         ("duration: 2s", "", ":9: how long?"),
         ("speed(7.2kph)", "lane(2)", ":10: the modifier 'lane(2)' is not supported"),
         ("speed(7.2kph)", "speed(delay)", ":10: 'delay' is a time, expected a speed"),
-        ("wait elapsed(delay)", "wait @car.arrived", ":12: 'wait @car.arrived' is not supported"),
+        ("wait elapsed(delay)", "wait @car.arrived", ":12: there is no event 'car.arrived'"),
         ("speed(walk)", "speed(wlk)", ":15: there is no parameter 'wlk'; did you mean 'walk'?"),
         ("                speed(walk)", "              speed(walk)", ":15: it is indented otherwise"),
         ("    do parallel:", "\tdo parallel:", ":8: a tab"),
@@ -122,3 +122,86 @@ def test_any_text_is_read_or_refused(text):
             _Reader("any.osc", content).function()
         except RequirementError as error:
             assert str(error).startswith("any.osc:")  # noqa: PT017 # or there is none
+
+
+EVENTS = """
+scenario meeting:
+    car: vehicle
+    walker: person
+    gap: length = 2m
+    event near is car.pose.x > 3m - gap
+    event greeted
+    do parallel:
+        serial:
+            car.drive() with:
+                speed(2mps)
+                until @greeted
+            car.drive(duration: 9s) with:
+                until rise(car.pose.x > 4m)
+                speed(1mps)
+        serial:
+            wait @near
+            walker.walk(duration: 500ms) with:
+                speed(1mps)
+            emit greeted
+"""
+
+
+def test_events_end_and_begin_what_actors_do(tmp_path):
+    """The car passes x = 1 m at 0.5 s, the walker walks until 1 s, and from x = 2 m on the car is slower."""
+    run = read_openscenario(written(tmp_path, EVENTS))
+    with morse.load(scene) as sim:
+        run(sim)
+        assert sim.car.pose.data["x"] == pytest.approx(4.0, abs=0.1)
+        assert sim.walker.pose.data["x"] == pytest.approx(0.5, abs=0.05)
+        # 2 m at 2 m/s, and 2 m at 1 m/s
+        assert sim.time() == pytest.approx(3.0, abs=0.15)
+    with morse.load(scene) as sim:
+        run(sim, gap=1.0)
+        assert sim.time() == pytest.approx(2.5, abs=0.15)
+
+
+@pytest.mark.parametrize(
+    ("event", "end"), [("rise(car.pose.x < 1m)", 9.0), ("fall(car.pose.x < 1m)", 0.5), ("car.pose.x >= 0m", 0.0)]
+)
+def test_an_edge_needs_the_opposite_before(tmp_path, event, end):
+    text = "scenario s:\n    car: vehicle\n    do car.drive(duration: 9s) with:\n        speed(2mps)\n"
+    text += f"        until {event}\n"
+    run = read_openscenario(written(tmp_path, text))
+    with morse.load(scene) as sim:
+        sim.step(12)
+        begin = sim.time()
+        run(sim)
+        assert sim.time() - begin == pytest.approx(end, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "emit greeted",
+            "emit greated",
+            ":20: there is no event 'greated' without a condition; did you mean",
+        ),
+        ("emit greeted", "emit near", ":20: there is no event 'near' without a condition"),
+        ("wait @near", "wait @nera", ":17: there is no event 'nera'; did you mean 'near'"),
+        ("event greeted", "event near", ":7: there is a 'near' already"),
+        ("event greeted", "event car", ":7: there is a 'car' already"),
+        ("3m - gap", "3parsec - gap", ":6: '3parsec': there is no unit 'parsec'"),
+        ("3m - gap", "3m - gab", ":6: there is no 'gab'; did you mean 'gap'"),
+        ("car.pose.x > 3m", "cat.pose.x > 3m", ":6: there is no 'cat.pose.x'; did you mean 'car'"),
+        ("car.pose.x > 3m - gap", "__import__('os')", ":6: '__import__('os')' is no event that is supported"),
+        ("rise(car.pose.x > 4m)", "rise(rise(car.pose.x > 4m))", ":14: "),
+        ("                until @greeted\n", "", ":10: how long?"),
+    ],
+)
+def test_what_is_no_event_is_refused_by_line(tmp_path, old, new, message):
+    with pytest.raises(RequirementError) as caught:
+        read_openscenario(written(tmp_path, EVENTS.replace(old, new, 1)))
+    assert f"crossing.osc{message}" in str(caught.value)
+
+
+def test_an_event_of_a_field_that_does_not_exist_is_named_in_the_run(tmp_path):
+    run = read_openscenario(written(tmp_path, EVENTS.replace("car.pose.x > 3m", "car.pose.xx > 3m")))
+    with morse.load(scene) as sim, pytest.raises(RequirementError, match=r"crossing.osc:6: .* has no 'xx'"):
+        run(sim)

@@ -1,8 +1,9 @@
 """What actors do, in a subset of OpenSCENARIO DSL 2.1: the function of a scenario, read from a file.
 
 Source: ASAM OpenSCENARIO DSL 2.1.0. The subset: one scenario; its actors, which are robots of the scene, and parameters
-with a value; ``do`` with ``serial``, ``parallel``, ``one_of``, ``wait``; actions ``drive``, ``walk``, ``move`` with
-the modifiers ``speed`` and ``position``. Everything else is refused, with its line.
+with a value; events; ``do`` with ``serial``, ``parallel``, ``one_of``, ``wait``, ``emit``; actions ``drive``,
+``walk``, ``move`` with the modifiers ``speed`` and ``position``, and ``until``. Conditions are those of requirements,
+with units. Everything else is refused, with its line.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from morse.core.reports.quoting import nearest, quoted
-from morse.plugins.falsify.expressions import RequirementError
+from morse.plugins.falsify.expressions import Expression, NotYetError, RequirementError
+from morse.plugins.falsify.requirements import Names
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -41,6 +43,8 @@ _ACTIONS = ("drive", "walk", "move")
 _COMPOSITIONS = ("serial", "parallel", "one_of")
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)([a-z]*)")
 _NAME = re.compile(r"[A-Za-z_]\w*")
+#: a number with a unit within an expression
+_QUANTITY = re.compile(r"(?<![\w.])(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)([A-Za-z_]\w*)")
 
 #: a value in a run, given the parameters
 _Value: TypeAlias = Callable[[Mapping[str, float]], float]
@@ -61,9 +65,14 @@ class _Play(NamedTuple):
     simulation: Simulation
     parameters: Mapping[str, float]
     rng: np.random.Generator
+    #: how often each event was emitted
+    emitted: dict[str, int]
+    names: Names
 
 
 _Behaviour: TypeAlias = Callable[[_Play], _Course]
+#: returns, when a behaviour begins, what tells in each tick whether an event has taken place since then
+_Event: TypeAlias = Callable[[_Play], Callable[[], bool]]
 
 
 def read_openscenario(file: str | os.PathLike[str]) -> Callable[..., None]:
@@ -83,6 +92,8 @@ class _Reader:
         self._name = name
         self._actors: set[str] = set()
         self._parameters: dict[str, tuple[str, float]] = {}
+        #: None for an event that only ``emit`` brings about
+        self._events: dict[str, _Event | None] = {}
         self._lines = self._tree(text)
 
     def _refused(self, number: int, reason: str) -> RequirementError:
@@ -137,11 +148,17 @@ class _Reader:
         return self._made(behaviour)
 
     def _declaration(self, line: _Line) -> None:
+        if event := re.fullmatch(r"event ([A-Za-z_]\w*)(?:\s+is\s+(.+))?", line.text):
+            name, specification = event.groups()
+            if line.below or name in self._actors or name in self._parameters or name in self._events:
+                raise self._refused(line.number, f"there is a '{name}' already")
+            self._events[name] = None if specification is None else self._event(specification, line.number)
+            return
         match = re.fullmatch(r"([A-Za-z_]\w*)\s*:\s*([A-Za-z_]\w*)(?:\s*=\s*(\S+))?", line.text)
         if match is None or line.below:
             raise self._refused(line.number, f"{quoted(line.text)} is not supported: expected 'NAME: TYPE', or 'do'")
         name, kind, value = match.groups()
-        if name in self._actors or name in self._parameters:
+        if name in self._actors or name in self._parameters or name in self._events:
             raise self._refused(line.number, f"there is a '{name}' already")
         if kind in _ACTORS and value is None:
             self._actors.add(name)
@@ -160,10 +177,12 @@ class _Reader:
                 if actor not in simulation.robots:
                     hint = nearest(actor, simulation.robots)
                     raise RequirementError(f"{self._name}: the scene has no robot '{actor}'{hint}")
-            play = _Play(simulation, {**defaults, **parameters}, np.random.default_rng(simulation.seed()))
-            course = behaviour(play)
+            values = {**defaults, **parameters}
+            rng, names = np.random.default_rng(simulation.seed()), Names(simulation, {}, values)
+            course = behaviour(_Play(simulation, values, rng, dict.fromkeys(self._events, 0), names))
             while next(course, course) is not course and simulation.time() < _LONGEST:
                 simulation.step()
+                names.forget()
 
         kinds = inspect.Parameter
         arguments = [kinds("simulation", kinds.POSITIONAL_OR_KEYWORD)]
@@ -181,9 +200,11 @@ class _Reader:
             return _COMPOSED[word]([self._behaviour(one) for one in line.below])
         if line.text.startswith("wait "):
             return self._wait(line)
+        if line.text.startswith("emit "):
+            return self._emit(line)
         match = re.fullmatch(r"([A-Za-z_]\w*)\.([A-Za-z_]\w*)\((.*)\)(\s*with:)?", line.text)
         if match is None:
-            known = [*_COMPOSITIONS, "wait"]
+            known = [*_COMPOSITIONS, "wait", "emit"]
             hint = nearest(word.split("(")[0].split(" ")[0], known)
             raise self._refused(line.number, f"{quoted(line.text)} is not supported{hint}")
         actor, action, arguments, has_modifiers = match.groups()
@@ -196,28 +217,116 @@ class _Reader:
         return self._action(line, actor, arguments)
 
     def _wait(self, line: _Line) -> _Behaviour:
-        match = re.fullmatch(r"wait elapsed\((.+)\)", line.text)
-        if match is None or line.below:
-            raise self._refused(line.number, f"{quoted(line.text)} is not supported: expected 'wait elapsed(TIME)'")
-        time = self._value(match[1].strip(), "time", line.number)
+        if line.below:
+            raise self._refused(line.below[0].number, f"{quoted(line.below[0].text)} below 'wait'")
+        event = self._event(line.text.removeprefix("wait ").strip(), line.number)
 
         def course(play: _Play) -> _Course:
-            yield from _during(play, time(play.parameters))
+            is_there = event(play)
+            while not is_there():
+                yield
 
         return course
 
+    def _emit(self, line: _Line) -> _Behaviour:
+        name = line.text.removeprefix("emit ").strip()
+        if line.below or self._events.get(name, self) is not None:
+            known = nearest(name, [one for one, condition in self._events.items() if condition is None])
+            raise self._refused(line.number, f"there is no event '{name}' without a condition{known}")
+
+        def course(play: _Play) -> _Course:
+            play.emitted[name] += 1
+            yield from ()
+
+        return course
+
+    # -- events ----------------------------------------------------------------------------
+
+    def _event(self, text: str, number: int) -> _Event:
+        """Read what may follow ``wait``, ``until`` and ``event NAME is``."""
+        if text.startswith("@"):
+            return self._named(text[1:].strip(), number)
+        if match := re.fullmatch(r"elapsed\((.+)\)", text):
+            time = self._value(match[1].strip(), "time", number)
+
+            def elapsed(play: _Play) -> Callable[[], bool]:
+                end = play.simulation.time() + time(play.parameters) - 1e-9
+                return lambda: play.simulation.time() >= end
+
+            return elapsed
+        edge, condition = "", text
+        if match := re.fullmatch(r"(rise|fall)\s*\((.+)\)", text):
+            edge, condition = match.groups()
+        expression = self._expression(condition, number)
+
+        def holds(play: _Play) -> bool:
+            try:
+                return expression.judge(play.names.look).holds
+            except NotYetError:
+                return False
+            except RequirementError as error:
+                raise RequirementError(f"{self._name}:{number}: {error}") from None
+
+        def begun(play: _Play) -> Callable[[], bool]:
+            wanted = edge != "fall"
+            # an edge needs the opposite before
+            seen = [not edge]
+
+            def is_there() -> bool:
+                if holds(play) != wanted:
+                    seen[0] = True
+                    return False
+                return seen[0]
+
+            return is_there
+
+        return begun
+
+    def _named(self, name: str, number: int) -> _Event:
+        if name not in self._events:
+            raise self._refused(number, f"there is no event '{name}'{nearest(name, self._events)}")
+        condition = self._events[name]
+        if condition is not None:
+            return condition
+
+        def begun(play: _Play) -> Callable[[], bool]:
+            before = play.emitted[name]
+            return lambda: play.emitted[name] > before
+
+        return begun
+
+    def _expression(self, text: str, number: int) -> Expression:
+        def in_si(match: re.Match[str]) -> str:
+            value, unit = match.groups()
+            factor = next((units[unit] for units in _UNITS.values() if unit in units), None)
+            if factor is None:
+                raise self._refused(number, f"{quoted(match[0])}: there is no unit '{unit}'")
+            return repr(float(value) * factor)
+
+        try:
+            expression = Expression(_QUANTITY.sub(in_si, text))
+        except RequirementError as error:
+            raise self._refused(number, f"{quoted(text)} is no event that is supported: {error}") from None
+        for parts in expression.names:
+            known = [*self._actors, *self._parameters, "time"]
+            if (parts[0] not in self._actors) if len(parts) > 1 else (parts[0] not in (*self._parameters, "time")):
+                raise self._refused(number, f"there is no '{'.'.join(parts)}'{nearest(parts[0], known)}")
+        return expression
+
     def _action(self, line: _Line, actor: str, arguments: str) -> _Behaviour:
         given = self._arguments(arguments, ("duration",), line.number)
-        if "duration" not in given:
-            raise self._refused(line.number, f"how long? {actor}.…(duration: 5s)")
-        duration = self._value(given["duration"], "time", line.number)
+        duration = self._value(given["duration"], "time", line.number) if given else None
+        ends: list[_Event] = []
         speed: _Value | None = None
         place: list[_Value] = []
         for one in line.below:
+            if one.text.startswith("until ") and not one.below:
+                ends.append(self._event(one.text.removeprefix("until ").strip(), one.number))
+                continue
             match = re.fullmatch(r"([A-Za-z_]\w*)\((.*)\)", one.text)
             name = match[1] if match else ""
             if match is None or name not in ("speed", "position") or one.below:
-                hint = nearest(name, ["speed", "position"])
+                hint = nearest(name, ["speed", "position", "until"])
                 raise self._refused(one.number, f"the modifier {quoted(one.text)} is not supported{hint}")
             if name == "speed":
                 given = self._arguments(match[2], ("speed",), one.number)
@@ -228,6 +337,9 @@ class _Reader:
             place = [self._value(given.get(axis, "0rad" if axis == "yaw" else ""), units[axis], one.number)
                      for axis in units]  # fmt: skip
 
+        if duration is None and not ends:
+            raise self._refused(line.number, f"how long? {actor}.…(duration: 5s), or 'until' below 'with:'")
+
         def course(play: _Play) -> _Course:
             motion: Any = getattr(play.simulation[actor], "motion", None)
             if motion is None and speed is not None:
@@ -236,7 +348,11 @@ class _Reader:
                 play.simulation.place(actor, [value(play.parameters) for value in place])
             if speed is not None:
                 motion.publish({"v": speed(play.parameters)})
-            yield from _during(play, duration(play.parameters))
+            has_ended = [event(play) for event in ends]
+            end = math.inf if duration is None else play.simulation.time() + duration(play.parameters) - 1e-9
+            # each of them is asked in each tick, because edges need what was before
+            while not max([is_there() for is_there in has_ended], default=False) and play.simulation.time() < end:
+                yield
             if speed is not None:
                 motion.publish({"v": 0.0})
 
@@ -276,12 +392,6 @@ class _Reader:
         if not math.isfinite(value):
             raise self._refused(number, f"{quoted(text)} is no finite {kind}")
         return value
-
-
-def _during(play: _Play, time: float) -> _Course:
-    begin = play.simulation.time()
-    while play.simulation.time() - begin < time - 1e-9:
-        yield
 
 
 def _serial(parts: list[_Behaviour]) -> _Behaviour:

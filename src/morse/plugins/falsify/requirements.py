@@ -112,6 +112,72 @@ def violations(row: Mapping[str, Any]) -> list[str]:
     return lines
 
 
+class Names:
+    """The present values of names in expressions: fields of components, signals, parameters, the time.
+
+    Args:
+        signals: expressions or functions by name.
+        parameters: the parameters of the run.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        signals: Mapping[str, Quantity | Callable[..., object]],
+        parameters: Mapping[str, object],
+    ) -> None:
+        self._simulation, self._signals, self._parameters = simulation, signals, parameters
+        self._components: dict[tuple[str, ...], Callable[[], Any]] = {}
+        self._kept: dict[tuple[str, ...], Any] = {}
+
+    def look(self, parts: tuple[str, ...]) -> Any:
+        """Return the present value of a name: a field of a component, a signal, a parameter, or the time."""
+        if parts not in self._kept:
+            if parts not in self._components:
+                self._components[parts] = self._source(parts)
+            self._kept[parts] = self._components[parts]()
+        return self._kept[parts]
+
+    def forget(self) -> None:
+        """Read all values anew: another tick begins."""
+        self._kept.clear()
+
+    def _source(self, parts: tuple[str, ...]) -> Callable[[], Any]:
+        name = ".".join(parts)
+        if parts == (_TIME,):
+            return self._simulation.time
+        if len(parts) == 1:
+            if name in self._signals:
+                signal = self._signals[name]
+                return lambda: _signal_value(signal, self._simulation, self.look)
+            if name in self._parameters:
+                return lambda: self._parameters[name]
+            raise RequirementError(f"there is no '{name}'{nearest(name, [*self._signals, *self._parameters])}")
+        robots = list(self._simulation.robots)
+        if parts[0] not in robots:
+            raise RequirementError(f"'{name}': the scene has no robot '{parts[0]}'{nearest(parts[0], robots)}")
+        handle, rest = self._simulation[parts[0]], list(parts[1:])
+        while rest and rest[0] in handle.parts:
+            handle = handle.parts[rest.pop(0)]
+        data = handle.data
+        if not rest:
+            raise RequirementError(f"'{name}' is a component: name one of its fields{nearest('', list(data))}")
+        if rest[0] not in data:
+            known = [*handle.parts, *data]
+            raise RequirementError(f"'{name}': {handle.fqn} has no '{rest[0]}'{nearest(rest[0], known)}")
+
+        def value() -> Any:
+            found: Any = handle.data[rest[0]]
+            for key in rest[1:]:
+                if not isinstance(found, dict) or key not in found:
+                    known = list(found) if isinstance(found, dict) else []
+                    raise RequirementError(f"'{name}': there is no '{key}' in {rest[0]}{nearest(key, known)}")
+                found = found[key]
+            return found
+
+        return value
+
+
 class Monitor(Observer):
     """Judges the requirements of a run in each tick.
 
@@ -127,13 +193,12 @@ class Monitor(Observer):
         signals: Mapping[str, Quantity | Callable[..., object]],
         parameters: Mapping[str, object],
     ) -> None:
-        self._simulation, self._parameters, self._signals = simulation, parameters, signals
+        self._simulation, self._parameters = simulation, parameters
+        self._names = Names(simulation, signals, parameters)
         self._requirements = requirements
         self._in_ticks = [one for one in requirements if not one.of_results and one.mode != SIGNALS]
         self._formulas = [Formula(one, signals) for one in requirements if one.mode == SIGNALS]
         self._worst: dict[str, tuple[bool, float, float | None]] = {}
-        self._components: dict[tuple[str, ...], Callable[[], Any]] = {}
-        self._kept: dict[tuple[str, ...], Any] = {}
         self._tick = -1
 
     def after_tick(self) -> None:
@@ -141,19 +206,19 @@ class Monitor(Observer):
         if self._simulation.ticks == self._tick:
             return
         self._tick = self._simulation.ticks
-        self._kept.clear()
+        self._names.forget()
         time = self._simulation.time()
         for one in self._in_ticks:
             verdict = self._judge(one)
             if verdict is not None:
                 self._note(one, verdict, time)
         for formula in self._formulas:
-            formula.note(time, self.look)
+            formula.note(time, self._names.look)
 
     def _judge(self, one: Requirement) -> Verdict | None:
         try:
             if one.expression is not None:
-                return one.expression.judge(self.look)
+                return one.expression.judge(self._names.look)
             assert callable(one.condition)
             return _verdict_of(one, one.condition(self._simulation))
         except NotYetError:
@@ -223,51 +288,6 @@ class Monitor(Observer):
             return Verdict(False, math.nan)
         except RequirementError as error:
             raise RequirementError(f"{one.where}: {error}") from None
-
-    # -- names -----------------------------------------------------------------------------
-
-    def look(self, parts: tuple[str, ...]) -> Any:
-        """Return the present value of a name: a field of a component, a signal, a parameter, or the time."""
-        if parts not in self._kept:
-            if parts not in self._components:
-                self._components[parts] = self._source(parts)
-            self._kept[parts] = self._components[parts]()
-        return self._kept[parts]
-
-    def _source(self, parts: tuple[str, ...]) -> Callable[[], Any]:
-        name = ".".join(parts)
-        if parts == (_TIME,):
-            return self._simulation.time
-        if len(parts) == 1:
-            if name in self._signals:
-                signal = self._signals[name]
-                return lambda: _signal_value(signal, self._simulation, self.look)
-            if name in self._parameters:
-                return lambda: self._parameters[name]
-            raise RequirementError(f"there is no '{name}'{nearest(name, [*self._signals, *self._parameters])}")
-        robots = list(self._simulation.robots)
-        if parts[0] not in robots:
-            raise RequirementError(f"'{name}': the scene has no robot '{parts[0]}'{nearest(parts[0], robots)}")
-        handle, rest = self._simulation[parts[0]], list(parts[1:])
-        while rest and rest[0] in handle.parts:
-            handle = handle.parts[rest.pop(0)]
-        data = handle.data
-        if not rest:
-            raise RequirementError(f"'{name}' is a component: name one of its fields{nearest('', list(data))}")
-        if rest[0] not in data:
-            known = [*handle.parts, *data]
-            raise RequirementError(f"'{name}': {handle.fqn} has no '{rest[0]}'{nearest(rest[0], known)}")
-
-        def value() -> Any:
-            found: Any = handle.data[rest[0]]
-            for key in rest[1:]:
-                if not isinstance(found, dict) or key not in found:
-                    known = list(found) if isinstance(found, dict) else []
-                    raise RequirementError(f"'{name}': there is no '{key}' in {rest[0]}{nearest(key, known)}")
-                found = found[key]
-            return found
-
-        return value
 
 
 def _verdict_of(one: Requirement, returned: object) -> Verdict:
