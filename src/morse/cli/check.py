@@ -296,7 +296,7 @@ def command(
         ),
     ] = None,
     fix: Annotated[
-        bool, typer.Option("--fix", help="Write a mended copy beside the scene script, which is not changed.")
+        bool, typer.Option("--fix", help="Write a corrected copy beside the scene script, which itself is not changed.")
     ] = False,
     picture: Annotated[
         Path | None,

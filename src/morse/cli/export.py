@@ -213,9 +213,9 @@ CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
 def command(
     file: Annotated[str, typer.Argument(metavar="FILE.mcap", help="A recording.", show_default=False)],
-    csv: Annotated[bool, typer.Option("--csv", help="As text, for spreadsheets.")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="Write tables as text, for spreadsheets.")] = False,
     parquet: Annotated[
-        bool, typer.Option("--parquet", help="As typed columns, for pandas, Polars, DuckDB, ...")
+        bool, typer.Option("--parquet", help="Write tables with typed columns, for pandas, Polars, DuckDB, ...")
     ] = False,
     to: Annotated[
         str | None,
@@ -227,16 +227,21 @@ def command(
         str | None, typer.Option("--topics", metavar="TOPIC[,TOPIC]", help="Topics to export (default: all).")
     ] = None,
     mcap: Annotated[
-        bool, typer.Option("--mcap", help="As a complete file, if the recording was cut off, or with some topics only.")
+        bool,
+        typer.Option(
+            "--mcap", help="Write a complete file, if the recording was cut off, or a file with some topics only."
+        ),
     ] = False,
-    film: Annotated[bool, typer.Option("--film", help="A film of the run.")] = False,
+    film: Annotated[bool, typer.Option("--film", help="Write a film of the run.")] = False,
     html: Annotated[
         str | None,
-        typer.Option("--html", metavar="FILE", help="As a page that plays the run anywhere, without a server."),
+        typer.Option("--html", metavar="FILE", help="Write a page that plays the run anywhere, without a server."),
     ] = None,
     foxglove_layout: Annotated[
         bool,
-        typer.Option("--foxglove-layout", help="A layout of Foxglove for its topics, or for those of a scene script."),
+        typer.Option(
+            "--foxglove-layout", help="Write a layout of Foxglove for its topics, or for those of a scene script."
+        ),
     ] = False,
     output: Annotated[
         str | None,

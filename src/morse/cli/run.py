@@ -169,7 +169,7 @@ def command(
     edit_script: Annotated[
         bool,
         typer.Option(
-            "--edit-script", help="Let the page change and run the script: whoever has its address can run any code."
+            "--edit-script", help="Let the page change and run the script: anyone who has its address can run any code."
         ),
     ] = False,
     host: Annotated[
@@ -199,14 +199,14 @@ def command(
     ] = False,
     keep_going: Annotated[
         bool,
-        typer.Option("--keep-going", help="Status 0 although a part of the simulation was switched off by a fault."),
+        typer.Option(
+            "--keep-going", help="Exit with status 0 even if a fault has switched off a part of the simulation."
+        ),
     ] = False,
     ros2: Annotated[
         bool, typer.Option("--ros2", help="Also connect all components to ROS 2: topics, frames, time.")
     ] = False,
-    profile: Annotated[
-        bool, typer.Option("--profile", help="Print at the end which parts took how much time.")
-    ] = False,
+    profile: Annotated[bool, typer.Option("--profile", help="Print at the end how much time each part took.")] = False,
     watch: Annotated[
         bool | None,
         typer.Option(

@@ -33,7 +33,7 @@ def command(
             show_default=False,
         ),
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the results are.")] = Path(
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Folder of the results.")] = Path(
         "results"
     ),
     workers: Annotated[
@@ -49,7 +49,9 @@ def command(
     name: Annotated[
         str | None, typer.Option("--study", metavar="NAME", help="Variable of the study, if the file has several.")
     ] = None,
-    keep_going: Annotated[bool, typer.Option("--keep-going", help="Status 0 although runs have failed.")] = False,
+    keep_going: Annotated[
+        bool, typer.Option("--keep-going", help="Exit with status 0 even if runs have failed.")
+    ] = False,
 ) -> int:
     """Do all runs of a study.
 

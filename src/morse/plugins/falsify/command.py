@@ -24,12 +24,12 @@ class FalsifyError(MorseError):
 
 def command(
     file: Annotated[str, typer.Argument(metavar="SCENARIO.py", help="A file with a Scenario.", show_default=False)],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the results are.")] = Path(
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Folder of the results.")] = Path(
         "results"
     ),
     budget: Annotated[float, typer.Option("--budget", min=0.1, help="Wall-clock time for the search, s.")] = 600.0,
     runs: Annotated[
-        int | None, typer.Option("--runs", min=1, help="Number of runs after which it ends, too.", show_default=False)
+        int | None, typer.Option("--runs", min=1, help="Largest number of runs.", show_default=False)
     ] = None,
     workers: Annotated[
         int | None,
@@ -44,12 +44,15 @@ def command(
     search: Annotated[str, typer.Option("--search", metavar="NAME", help=_SEARCHES)] = "auto",
     name: Annotated[
         str | None,
-        typer.Option("--scenario", metavar="NAME", help="Variable of the scenario, of several."),
+        typer.Option("--scenario", metavar="NAME", help="Variable of the scenario, if the file has several."),
     ] = None,
     whole_budget: Annotated[
-        bool, typer.Option("--whole-budget", help="Search on for other failures when each requirement has failed.")
+        bool,
+        typer.Option("--whole-budget", help="Continue to search for other failures after each requirement has failed."),
     ] = False,
-    keep_going: Annotated[bool, typer.Option("--keep-going", help="Status 0 although something has failed.")] = False,
+    keep_going: Annotated[
+        bool, typer.Option("--keep-going", help="Exit with status 0 even if something has failed.")
+    ] = False,
 ) -> int:
     """Search for the smallest parameters with which a requirement is violated.
 
