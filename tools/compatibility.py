@@ -20,9 +20,9 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "compatibility.md"
 _HEAD = """# Tried with
 
-This page lists programs of other projects, with their versions, and what the tests do with them. All programs have their
-default settings. `python -m tools compatibility` runs these tests and writes this page. It does not run programs that are not
-installed. The page was written with {python}, {system}.
+This page lists programs of other projects, with their versions, and what the tests do with them. All of them
+have their default settings. `python -m tools compatibility` runs these tests and writes this page. It does not run
+programs that are not installed. The page was written with {python}, {system}.
 
 | program | version | tests passed |
 |---|---|---|

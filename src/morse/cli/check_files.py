@@ -217,7 +217,7 @@ def _fix(result: Survey, script: Path, options: RunOptions) -> None:
 
     text = mended(result.text, result.findings)
     if text == result.text:
-        say("Nothing can be mended automatically: no copy is written.")
+        say("Nothing can be fixed automatically: no copy is written.")
         return
     copy = free_path(script.with_name(f"{script.stem}_fixed.py"))
     copy.write_bytes(encoded_source(text))

@@ -673,7 +673,7 @@ class Editor:
         """
         if self._written is not None:
             raise UnwritableError(
-                f"{self._file.path} was changed in the page and does not run yet: mend its mistakes, reload it (F11)"
+                f"{self._file.path} was changed in the page and does not run yet: correct its mistakes, reload it (F11)"
             )
         additions = [
             replace(one, calls=tuple(_lines(self._calls.get(name, {})))) for name, one in self._additions.items()

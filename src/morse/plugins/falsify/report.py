@@ -256,7 +256,7 @@ def _tests(found: Found) -> list[str]:
     scenario = found.scenario
     path = os.path.relpath(scenario.file.resolve(), found.folder.resolve())
     lines = [
-        f"{_MARK}: each case fails until the software is mended, and passes from then on.",
+        f"{_MARK}: each case fails until the software is fixed, and passes from then on.",
         "",
         "The next search in this folder writes it again: copy what you keep.",
         '"""',
