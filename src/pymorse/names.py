@@ -23,7 +23,7 @@ def checked_name(name: object) -> str:
     """A name that a server sent: it becomes an attribute, a part of other names, and a part of messages.
 
     Raises:
-        ValueError: it is no name of a simulation.
+        ValueError: it is not a name of a simulation.
     """
     if not isinstance(name, str) or not name.isprintable() or len(name) > _LONGEST or name.count(".") > _DEEPEST:
         raise ValueError(

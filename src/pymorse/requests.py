@@ -194,7 +194,7 @@ class ServiceConnection(StreamB):
         try:
             response = parse_response(msg.decode())
         except ValueError as error:
-            # a stream, which is no server of services, sends a line in each tick
+            # a stream, which is not a server of services, sends a line in each tick
             if not self._has_complained:
                 self._has_complained = True
                 logger.error(

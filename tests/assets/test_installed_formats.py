@@ -64,7 +64,7 @@ def test_no_package_takes_scene_scripts_or_files_that_have_a_reader(tmp_path: Pa
 @pytest.mark.parametrize("name", [".crate", "yard.crate"])
 def test_a_name_that_is_no_suffix_is_left_out_with_the_right_one(tmp_path: Path, name: str) -> None:
     done = loaded(tmp_path, "yard.crate", READER, f"{name} = my_lab:read")
-    assert f"the reader my_lab:read of a package is left out: '{name}' is no suffix of files" in done.stderr
+    assert f"the reader my_lab:read of a package is left out: '{name}' is not a suffix of files" in done.stderr
     assert "such as 'crate'" in done.stderr
 
 

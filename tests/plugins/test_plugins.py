@@ -236,7 +236,7 @@ def test_doctor_lists_the_project_in_this_folder(simulated_packages: Path):
     ("group", "point", "said"),
     [
         ("formats", 'urdf = "lab:read"', "is left out: files .urdf are MORSE's"),
-        ("formats", '".grid" = "lab:read"', "is left out: '.grid' is no suffix of files; write it without a point"),
+        ("formats", '".grid" = "lab:read"', "is left out: '.grid' is not a suffix of files; write it without a point"),
         ("formats", 'grid = "lab:NUMBER"', "cannot be loaded: TypeError: it is 3, expected a function"),
         ("middlewares", 'pigeon = "lab:NUMBER"', "cannot be loaded: TypeError: it is 3, expected a morse.middleware"),
     ],

@@ -87,7 +87,7 @@ def test_other_scripts_are_not_executed(file: Path, project: Path, monkeypatch: 
     ):
         with pytest.raises(RecordingError, match="folder of"):
             opened(recording, *projects)
-    # nor a program that is no scene, that has changed, or that cannot be compared
+    # nor a program that is not a scene, that has changed, or that cannot be compared
     for name, kept, why in (
         ("setup.py", b"import os\n", "does not import morse"),
         ("scene.py", b"#", "changed"),

@@ -142,7 +142,7 @@ def test_the_work_of_others_is_shown_and_kept(script: Path) -> None:
     assert "was changed since the scene was loaded" in message
     assert "+# theirs" in message.split("\n")
     script.write_bytes(b"\xff\xfe" * 1000)
-    with pytest.raises(UnwritableError, match="it is no text"):
+    with pytest.raises(UnwritableError, match="it is not text"):
         file.save(NEW)
     script.write_text("x" * 10_000 + "\n" * 10_000)
     with pytest.raises(UnwritableError, match="was changed") as refusal:

@@ -103,7 +103,7 @@ def _of_packages(points: tuple[EntryPoint, ...]) -> tuple[dict[str, EntryPoint],
             left_out[point] = f"files {suffix} are MORSE's"
         elif Path(f"model{suffix}").suffix != suffix:
             near = point.name.strip(".").rpartition(".")[2]
-            left_out[point] = f"'{point.name}' is no suffix of files; write it without a point, such as '{near}'"
+            left_out[point] = f"'{point.name}' is not a suffix of files; write it without a point, such as '{near}'"
         else:
             found[suffix] = point
     for point, reason in left_out.items():

@@ -136,7 +136,7 @@ def find(name: str, category: str = "") -> Path:
 
 
 def find_file(name: str, *folders: Path) -> Path:
-    """A file that is no model, such as a sound: in the current directory, or where the models of the project are.
+    """A file that is not a model, such as a sound: in the current directory, or where the models of the project are.
 
     Args:
         name: a path.

@@ -253,7 +253,7 @@ def _loaded(points: tuple[EntryPoint, ...]) -> tuple[Compatibility, ...]:
 
 def _checked(entry: object) -> Compatibility:
     if not isinstance(entry, Compatibility):
-        raise TypeError(f"it is no morse.builder.compatibility.Compatibility, but {entry!r:.80}")
+        raise TypeError(f"it is not a morse.builder.compatibility.Compatibility, but {entry!r:.80}")
     return entry
 
 

@@ -204,7 +204,7 @@ class _Client:
         assert self._process is not None
         _, errors = self._process.communicate()
         status = self._process.returncode
-        # the end of the simulation takes the connection away from the client: that is no failure of it
+        # the end of the simulation takes the connection away from the client: that is not a failure of it
         if self._ended or simulation.context.stopping():
             return
         echo(errors.decode(errors="replace"), err=True, end="")

@@ -171,7 +171,7 @@ class Sites:
         # written to a temporary file and renamed, so that an interrupted command does not lose the other environments
         text = io.StringIO()
         self._config.write(text)
-        # the bytes of paths, also those that are no text in the locale of this process
+        # the bytes of paths, also those that are not text in the locale of this process
         content = os.fsencode(text.getvalue())
         descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="config-")
         try:

@@ -325,7 +325,7 @@ def _result(service: Callable[..., object], *arguments: object) -> object:
     """Call a service.
 
     Raises:
-        RuntimeError: the service has raised an error that is no `Exception`, and that would end the managers.
+        RuntimeError: the service has raised an error that is not an `Exception`, and that would end the managers.
     """
     try:
         result = service(*arguments)

@@ -388,7 +388,7 @@ def check_model(model: object) -> None:
     """Check that something is a model.
 
     Raises:
-        TypeError: it is no model.
+        TypeError: it is not a model.
     """
     if not isinstance(model, mujoco.MjModel):
         raise TypeError(
@@ -400,7 +400,7 @@ def check_count(name: str, number: object, least: int) -> None:
     """Check a number of something.
 
     Raises:
-        TypeError: it is no integer.
+        TypeError: it is not an integer.
         ValueError: it is less than the least one.
     """
     if not isinstance(number, (int, np.integer)) or isinstance(number, bool):
@@ -413,7 +413,7 @@ def check_state(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Check that a state is one of a model, or of one of the same sizes: MuJoCo would read memory of others.
 
     Raises:
-        TypeError: it is no state.
+        TypeError: it is not a state.
         ValueError: it is one of another model.
     """
     if not isinstance(data, mujoco.MjData):

@@ -144,7 +144,7 @@ def _pose(many: Any, row: int, name: str, pose: dict[str, float]) -> list[float]
     return [float(number) for number in (present | pose).values()]
 
 
-#: name of an observation that is no dictionary
+#: name of an observation that is not a dictionary
 _NAME = "observation"
 
 

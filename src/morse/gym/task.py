@@ -94,7 +94,7 @@ class Task:
     values: Arrays
 
     def __init_subclass__(cls, **kwargs: object) -> None:
-        """A function that builds a scene is no method, although it stands in a class."""
+        """A function that builds a scene is not a method, although it stands in a class."""
         super().__init_subclass__(**kwargs)
         scene = vars(cls).get("scene")
         if inspect.isfunction(scene) and all(
@@ -189,7 +189,7 @@ def outcome(task: Task, values: object, rows: int) -> tuple[NDArray[np.float64],
     """Return what the method ``reward`` of a task has returned, as arrays (N,) and infos (N, ...) by name.
 
     Raises:
-        TypeError: it is no triple of numbers, booleans and a dictionary.
+        TypeError: it is not a triple of numbers, booleans and a dictionary.
         ValueError: an array or an info has another length, or a reward is NaN.
     """
     name = f"{type(task).__name__}.reward"

@@ -215,7 +215,7 @@ class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
                 have ended are replaced, and their rows begin.
 
         Raises:
-            ValueError: there is another number of seeds than rows, or ``reset_mask`` is no mask.
+            ValueError: there is another number of seeds than rows, or ``reset_mask`` is not a mask.
         """
         seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
         return self._rows.reset(seeds, mask_of(options, self.num_envs))

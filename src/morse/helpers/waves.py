@@ -94,7 +94,7 @@ class Sea:
     ) -> None:
         peak = 2.0 * math.pi / period
         step = (_HIGH - _LOW) * peak / _COUNT
-        # frequencies that are no multiples of one: the sea does not repeat itself
+        # frequencies that are not multiples of one: the sea does not repeat itself
         rates = [_LOW * peak + (k + float(random.uniform(0.1, 0.9))) * step for k in range(_COUNT)]
         powers = [_density(rate / peak) for rate in rates]
         scale = height * height / 16.0 / sum(powers)

@@ -138,7 +138,7 @@ def _refusal(recording: Recording, script: str, projects: Sequence[str]) -> str:
     return (
         ""
         if name.endswith(".py") and _is_scene(attachment)
-        else "does not import morse.builder, so that it is no scene"
+        else "does not import morse.builder, so that it is not a scene"
     )
 
 
@@ -177,7 +177,7 @@ def show_trusted(script: str, options: RunOptions, inside: bool, say: Callable[[
 
 def _beginning(script: str) -> list[str]:
     if Path(script).suffix.lower() in suffixes():
-        return ["a model, which is no program"]
+        return ["a model, which is not a program"]
     try:
         lines = read_regular(script).decode("utf-8", "replace").splitlines()
     except OSError as error:

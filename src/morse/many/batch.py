@@ -244,7 +244,7 @@ class Batch(RowArrays):
 
         Raises:
             ValueError: there is another number of states than rows.
-            TypeError: it is no state.
+            TypeError: it is not a state.
             StateError: a state is damaged, or belongs to another scene.
         """
         numbers = self._rows(rows)

@@ -46,7 +46,7 @@ def read_facts(folder: str | os.PathLike[str]) -> Row:
     """Return what `Ledger.describe` has written; ``axes`` is a dictionary, ``runs`` a number.
 
     Raises:
-        FileNotFoundError: it is no folder of results.
+        FileNotFoundError: it is not a folder of results.
         ValueError: the file is damaged.
     """
     path = Path(folder) / STUDY
@@ -180,7 +180,7 @@ class Table:
         """Read the rows of the study that a folder describes: of the one that was last begun there.
 
         Raises:
-            FileNotFoundError: it is no folder of results.
+            FileNotFoundError: it is not a folder of results.
             ValueError: its description is damaged.
         """
         facts = read_facts(folder)

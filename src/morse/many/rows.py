@@ -364,4 +364,4 @@ def _floats(values: object, what: str) -> NDArray[np.float64]:
     try:
         return np.asarray(values, np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise ValueError(f"{what}: {values!r:.80} is no array of numbers") from None
+        raise ValueError(f"{what}: {values!r:.80} is not an array of numbers") from None

@@ -173,7 +173,7 @@ def as_middleware(entry: object) -> Middleware:
     """What an entry point names.
 
     Raises:
-        TypeError: it is no description of a middleware.
+        TypeError: it is not a description of a middleware.
     """
     if not isinstance(entry, Middleware):
         raise TypeError(f"it is {entry!r:.80}, expected a morse.middleware.registry.Middleware")

@@ -38,7 +38,8 @@ class Variations:
         """Set the mass of a body, kg; its inertia changes in proportion.
 
         Raises:
-            ValueError: the object is no dynamic body, or the mass differs by more than 10,000 from that of the scene.
+            ValueError: the object is not a dynamic body, or the mass differs by more than 10,000 from that of the
+                scene.
         """
         self.check(obj, "mass", mass)
         slot, model = self._world.slots[obj.slot], self._world.model
@@ -89,7 +90,7 @@ class Variations:
         slot, name = self._world.slots[obj.slot], obj.node.name
         if what == "mass":
             if slot.frame.motion is not Motion.FREE:
-                raise ValueError(f"'{name}' is no body that moves freely: it has no mass to set")
+                raise ValueError(f"'{name}' is not a body that moves freely: it has no mass to set")
             first = float(self._pristine["body_mass"][slot.body])
             low, high = first / _MOST, first * _MOST
             if not low <= value <= high:  # not true of NaN

@@ -78,7 +78,7 @@ class RecordedStream(TopicStream):
         """Whether all data and messages follow from columns, see `morse.core.rows.columns`."""
         component = self.component_instance
         columns = columns_of(type(component))
-        is_on_demand = isinstance(component, Sensor) and component.on_demand  # it is no row
+        is_on_demand = isinstance(component, Sensor) and component.on_demand  # it is not a row
         if (
             columns is None
             or is_on_demand

@@ -190,7 +190,7 @@ def _read(text: str, known: dict[str, tuple[MessageField, ...]]) -> dict[str, tu
     """The messages in a text; those that are already known keep their definition.
 
     Raises:
-        ValueError: a line is no definition, or contains a message that is not known.
+        ValueError: a line is not a definition, or contains a message that is not known.
     """
     definitions: dict[str, tuple[MessageField, ...]] = {}
     for line in re.sub(r",\n +", ", ", text).strip().splitlines():

@@ -229,7 +229,7 @@ def check_default_name(path: Path) -> None:
 
 
 def is_regular(status: stat_result) -> bool:
-    """Whether a file has content of a certain size: it is no directory, pipe, socket or device."""
+    """Whether a file has content of a certain size: it is not a directory, pipe, socket or device."""
     return stat.S_ISREG(status.st_mode)
 
 

@@ -61,7 +61,7 @@ ONE_THREAD = dict.fromkeys(("MORSE_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_TH
 GRACE = 5.0
 #: the number of a question, before it and before its answer
 _NUMBER = struct.Struct("<Q")
-#: bytes of the largest message; a length beyond it is no length, but something else: no text begins with a smaller one,
+#: bytes of the largest message; a longer length is not a length, but something else: no text begins with a smaller one,
 #: for whose rest the reader would wait
 _MOST = (ord(" ") << 24) - 1
 #: variables without which a program does not start on some systems
@@ -141,7 +141,7 @@ class _Program(subprocess.Popen[bytes]):
 class Worker:
     """A process that answers one question after the other.
 
-    It speaks on a connection of its own: what is printed in it is no answer. Each answer has the number of its
+    It speaks on a connection of its own: what is printed in it is not an answer. Each answer has the number of its
     question; that of an earlier question, which nobody waits for any more, is discarded.
 
     Args:

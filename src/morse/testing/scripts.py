@@ -107,8 +107,8 @@ _BEGINNING = re.compile(r"\s*[^\W\d]\w*\s*(=|\()")
 def is_text(scene: str) -> bool:
     """Whether a string is the text of a scene, and not the path of one.
 
-    A text has several lines; or it is no existing file, does not end as a script does, and is or begins as a statement
-    or a call.
+    A text has several lines; or it is not an existing file, does not end as a script does, and is or begins as a
+    statement or a call.
     """
     if "\n" in scene:
         return True

@@ -242,7 +242,7 @@ class Editor:
         simulation = self._simulation
         carrier = carrier_of(simulation, event.robot, self._is_known)
         if not self._belongs(self._root(carrier.name)):
-            raise MorseError(f"'{carrier.name}' is no part of the scene: a client has spawned it")
+            raise MorseError(f"'{carrier.name}' is not part of the scene: a client has spawned it")
         if event.position is None or (event.normal is not None and group == "actuators" and box is None):
             # what has no shape has no place of its own
             place = usual_place(simulation, carrier, group)._replace(angles=angles)
@@ -253,7 +253,7 @@ class Editor:
         return place._replace(position=_rounded(place.position, 3), angles=_rounded(place.angles))
 
     def _is_known(self, name: str) -> bool:
-        """Whether the script, or a page, has created something as a whole: it is no part of a model."""
+        """Whether the script, or a page, has created something as a whole: it is not part of a model."""
         if name in self._additions or self._file.path is None:
             return True
         try:
@@ -493,15 +493,15 @@ class Editor:
         if event.component == OWNER:
             return self._set_up_world(event)
         if event.method not in _METHODS:
-            raise MorseError(f"'{event.method}' is no setting of a component: there are {', '.join(_METHODS)}")
+            raise MorseError(f"'{event.method}' is not a setting of a component: there are {', '.join(_METHODS)}")
         if odd := [name for name in event.values if name and (not name.isidentifier() or iskeyword(name))]:
-            raise MorseError(f"'{short(odd[0])}' is no name of an argument")
+            raise MorseError(f"'{short(odd[0])}' is not a name of an argument")
         name, call = event.component, Call(event.method, event.values)
         declared = next((d for d in self._simulation.scene.components if d.name == name), None)
         if declared is None or declared.kind not in ("sensor", "actuator"):
             raise MorseError(f"there is no sensor or actuator '{name}'")
         if not self._belongs(self._root(name)):
-            raise MorseError(f"'{name}' is no part of the scene: a client has spawned its robot")
+            raise MorseError(f"'{name}' is not part of the scene: a client has spawned its robot")
         if not event.remove:
             self._check_room()
         old = self._calls.get(name, {})
@@ -776,7 +776,7 @@ def _version(text: str) -> str:
 
 
 def _mistake(text: str, name: str) -> tuple[int, str]:
-    """The line of a text that is no Python, and why; 0 and nothing if it is."""
+    """The line of a text that is not Python, and why; 0 and nothing if it is."""
     try:
         compiled(text, name)
     except SyntaxError as error:

@@ -368,7 +368,7 @@ class ChangeScript(ViewEvent, frozen=True):
     """Write a text in place of the script, or only show the lines that would change.
 
     The answer has ``path``, ``difference`` and ``folders`` as that of `SaveScene`; whether the script ``runs``, so that
-    a restart loads it; and the ``error`` and its ``line`` if it is no Python: then nothing is written.
+    a restart loads it; and the ``error`` and its ``line`` if it is not Python: then nothing is written.
 
     Attributes:
         version: of the text that was changed: what has changed meanwhile is not overwritten.

@@ -153,7 +153,7 @@ class ScriptFile:
         try:
             shown = _difference(self._saved, source_text(present)).split("\n")
         except SyntaxError:
-            shown = ["it is no text"]
+            shown = ["it is not text"]
         more = ["..."] if len(shown) > _SHOWN_LINES else []
         raise UnwritableError(
             f"{target.name} was changed since the scene was loaded: reload it first (F11)\n"

@@ -246,7 +246,7 @@ def _checked_path(text: str) -> PurePosixPath:
     """A path below the folder of an upload.
 
     Raises:
-        MorseError: it may lead elsewhere, or is none on some system, or the file is no part of a model.
+        MorseError: it may lead elsewhere, or is none on some system, or the file is not part of a model.
     """
     parts = text.split("/")
     if len(parts) > _DEEPEST:
@@ -260,7 +260,7 @@ def _checked_path(text: str) -> PurePosixPath:
     suffix = PurePosixPath(parts[-1]).suffix.lower()
     if suffix in _NEVER or suffix not in {*_PARTS, *suffixes()}:
         kinds = " ".join(one for one in suffixes() if one not in _NEVER)
-        raise MorseError(f"{quoted(text)} is no part of a model: expected files {kinds}, and their pictures")
+        raise MorseError(f"{quoted(text)} is not part of a model: expected files {kinds}, and their pictures")
     return PurePosixPath(*parts)
 
 

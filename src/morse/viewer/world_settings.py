@@ -209,7 +209,7 @@ def check_world_call(method: str, values: Mapping[str, object], settings: Settin
         MorseError: pages may not call this, or the environment refuses the value.
     """
     if method not in METHODS:
-        raise MorseError(f"'{short(method)}' is no setting of the environment{nearest(method, list(METHODS))}")
+        raise MorseError(f"'{short(method)}' is not a setting of the environment{nearest(method, list(METHODS))}")
     arguments = _SETTINGS[method].arguments if method in _SETTINGS else {}
     kinds = {name: _kind(one.present(settings)) for name, one in arguments.items()} or {"": "str"}
     if not values or not {*values} <= {*kinds}:

@@ -88,7 +88,7 @@ def simulation_with() -> Iterator[Callable[[bytes], Any]]:
         (WELCOME + b"\x30\x04\x00\x02\xff\xfe", "a packet cannot be read ('utf-8' codec can't decode"),
         (b"\x20\x02\x00\x05", "refuses the connection: Not authorized"),
     ],
-    ids=["not a broker", "huge packet", "incomplete messages", "a topic that is no text", "refusal"],
+    ids=["not a broker", "huge packet", "incomplete messages", "a topic that is not text", "refusal"],
 )
 def test_a_hostile_broker_is_left_and_named_once(
     simulation_with: Callable[[bytes], Any], said: bytes, line: str, caplog: pytest.LogCaptureFixture

@@ -139,7 +139,7 @@ def test_nothing_else_can_be_said(text):
     ("text", "message"),
     [
         ("a", "'a' is 3.0, no condition: compare it"),
-        ("a + 1", "'a + 1' is no condition: compare it"),
+        ("a + 1", "'a + 1' is not a condition: compare it"),
         ("robot.laser.range_list > 1", "'robot.laser.range_list' is a list of 3 numbers: use .min()"),
         ("sqroot(a) > 1", "calls 'sqroot', which requirements do not know; did you mean 'sqrt'?"),
         (
@@ -150,7 +150,7 @@ def test_nothing_else_can_be_said(text):
         ("word < 'x'", "only == and != are known"),
         ("sqrt(a, b) > 1", "has 2 arguments; sqrt has 1 argument"),
         ("robot.laser.range_list[7] > 1", "does not exist: there are 3"),
-        ("a >", "'a >' is no expression of Python: invalid syntax"),
+        ("a >", "'a >' is not an expression of Python: invalid syntax"),
         ("robot.laser.range_list + [1] > 1", "'[1]' is not a part of requirements"),
     ],
 )

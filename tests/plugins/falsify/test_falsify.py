@@ -152,7 +152,7 @@ def test_a_requirement_that_cannot_be_judged_is_named_with_its_line(script, tmp_
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ('scenario.always("robot.pose.x <")', "is no expression of Python"),
+        ('scenario.always("robot.pose.x <")', "is not an expression of Python"),
         ('scenario.always("open(1) < 2")', "calls 'open', which requirements do not know"),
         (
             'scenario.always("robot.pose.x < x")',
@@ -168,7 +168,7 @@ def test_a_requirement_that_cannot_be_judged_is_named_with_its_line(script, tmp_
         ("Scenario(scene, run, defaults={'sped': 1})", "there is no parameter 'sped'"),
         ("Scenario(scene, run, speed=uniform(0.0, 0.2))", "the default 0.5 of 'speed' is not from 0 to 0.2"),
         ("scenario.signal('1x', 'robot.pose.x')", "a signal cannot be called '1x'"),
-        ("scenario.signal('d', 'robot.pose.x >')", "is no expression of Python"),
+        ("scenario.signal('d', 'robot.pose.x >')", "is not an expression of Python"),
     ],
 )
 def test_a_scenario_without_sense_is_refused_with_its_line(script, tmp_path, line, message):

@@ -57,7 +57,7 @@ def test_old_modules_are_named_in_every_script_and_stay_in_none(load: Load, capl
         caplog.clear()
         load(f"from morse.builder.robots.pr2 import NavPR2\n{HEAD}{END}")
         assert any("scene.py:1: " in text and "write morse.builder.robots" in text for text in warnings(caplog))
-    # programs that are no scene scripts import them, too
+    # programs that are not scene scripts import them, too
     assert importlib.import_module("morse.builder.robots.pr2") is importlib.import_module("morse.builder.robots")
 
 

@@ -43,8 +43,8 @@ class Below:
         """The content of a file; a chequered pattern for a picture that cannot be used.
 
         Raises:
-            FileNotFoundError: it is no picture, and is outside of the folder, is missing or is too large, together with
-                the files before.
+            FileNotFoundError: it is not a picture, and is outside of the folder, is missing or is too large, together
+                with the files before.
         """
         try:
             for candidate in self._candidates(str(name).strip().replace("\\", "/")):
@@ -107,7 +107,7 @@ class Below:
 
 
 def _model_of(folder: Path) -> Path | None:
-    """The folder with ``model.config``, the one of a mesh or one above; None if it is no model of Gazebo."""
+    """The folder with ``model.config``, the one of a mesh or one above; None if it is not a model of Gazebo."""
     return next((one for one in (folder, *list(folder.parents)[:_LEVELS]) if (one / "model.config").is_file()), None)
 
 

@@ -100,7 +100,7 @@ def _gmsh(content: bytes, dimension: int) -> _Parts:
     sections = {name.strip(): body for name, body in sections.items()}
     version = sections.get("MeshFormat", "").split()[:2]
     if len(version) < 2 or version[0] not in ("2.2", "4.1") or version[1] != "0":
-        raise ValueError("it is no text file of Gmsh of format 2.2 or 4.1")
+        raise ValueError("it is not a text file of Gmsh of format 2.2 or 4.1")
     is_old = version[0] == "2.2"
     nodes, elements = (iter(sections.get(name, "").split()) for name in ("Nodes", "Elements"))
     try:

@@ -179,7 +179,9 @@ class Source:
         for number, element in enumerate(list(root.iter("attach"))):
             model = texts.get(element.get("model") or "")
             if model is None:
-                raise self._fail(f"<attach> names the model {(element.get('model') or '')[:60]!r}, which is no asset")
+                raise self._fail(
+                    f"<attach> names the model {(element.get('model') or '')[:60]!r}, which is not an asset"
+                )
             name = f"{MARKER}{text}.{number} "
             place = AttachedModel(name, model, element.get("body") or "", element.get("prefix") or "")
             element.tag = "frame"

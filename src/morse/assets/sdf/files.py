@@ -124,7 +124,7 @@ def read_root(path: Path) -> Element:
     """Return the element ``sdf`` of a file.
 
     Raises:
-        AssetError: it is no SDF file, or is refused by `read_xml`.
+        AssetError: it is not an SDF file, or is refused by `read_xml`.
         OSError: it cannot be opened.
     """
     root = read_xml(path)

@@ -48,7 +48,7 @@ def height_node(element: Element, path: Path, name: str, materials: Materials, *
 
     Raises:
         FileRefusedError: the picture does not exist, or must not be read.
-        ValueMistakeError: it is no picture.
+        ValueMistakeError: it is not a picture.
     """
     size, place = vector(element, "size", (1.0, 1.0, 1.0)), vector(element, "pos", (0.0, 0.0, 0.0))
     if min(size) <= 0.0:
@@ -77,7 +77,7 @@ def _heights(file: Path) -> NDArray[np.float64]:
             picture = picture.convert("L")
         pixels = np.asarray(picture, dtype=np.float64)
     except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
-        raise ValueMistakeError(f"it is no picture of heights: {error!s:.100}") from None
+        raise ValueMistakeError(f"it is not a picture of heights: {error!s:.100}") from None
     step = max(1, -(-(max(pixels.shape) - 1) // (_MOST_POINTS - 1)))
     pixels = np.flipud(pixels)[::step, ::step]
     if min(pixels.shape) < 2 or not np.isfinite(pixels).all() or pixels.min() < 0.0:

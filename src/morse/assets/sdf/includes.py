@@ -74,7 +74,7 @@ class Includes:
         """The element ``sdf`` of a file, whose parts are counted each time.
 
         Raises:
-            AssetError: it is no SDF file, or all files together have too many parts.
+            AssetError: it is not an SDF file, or all files together have too many parts.
             OSError: it cannot be opened.
         """
         if path not in self._roots:

@@ -167,7 +167,7 @@ def _configure(component: AbstractComponent, calls: Sequence[str]) -> None:
         function = getattr(component, method, None) if method in CALLS else None
         if function is None:
             what = type(component).__name__
-            raise MorseBuilderError(f"'{short(line)}' is no setting of {what}{nearest(method, CALLS)}")
+            raise MorseBuilderError(f"'{short(line)}' is not a setting of {what}{nearest(method, CALLS)}")
         try:
             function(*arguments, **values)
         except (TypeError, ValueError) as error:

@@ -133,7 +133,7 @@ class TimeMethods(EnvironmentDescription):
             date: ``2026-11-23`` or ``2026-11-23T12:00:00+01:00`` (ISO 8601), UTC unless it has another time zone.
 
         Raises:
-            MorseBuilderError: it is no date.
+            MorseBuilderError: it is not a date.
         """
         self.settings.start_time = checks.date(date, "env.set_start_date(date)")
         self.settings.relative_time = False

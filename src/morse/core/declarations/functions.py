@@ -164,7 +164,7 @@ def add_state(python_name: str, type: type | UnionType, doc: str, *, unit: str =
         unit: unit of the value.
 
     Raises:
-        MorseDeclarationError: unknown unit, or a type that is no class.
+        MorseDeclarationError: unknown unit, or a type that is not a class.
     """
     body = _class_body("add_state")
     variable = StateVariable(type, doc, unit)

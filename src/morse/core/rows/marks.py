@@ -144,7 +144,7 @@ class Unclaimed:
 
 def present_data(component: Component) -> Fields:
     """Return ``local_data`` of a component for readers that do not keep it: it is valid until the next action."""
-    rows = getattr(component, "_in_rows", None)  # streams also carry objects that are no components
+    rows = getattr(component, "_in_rows", None)  # streams also carry objects that are not components
     data: Fields = component.local_data if rows is None else rows.data_of(component)
     return data
 

@@ -58,7 +58,7 @@ def check_name(name: object, present: Iterable[str] = ()) -> None:
             in signs are the same for some clients and some file systems.
 
     Raises:
-        MorseBuilderError: the name is no word, is reserved, or is that of something else.
+        MorseBuilderError: the name is not a word, is reserved, or is that of something else.
     """
     if not isinstance(name, str) or len(name) > LONGEST_NAME or not _WORD.fullmatch(name):
         mend = f"; write '{word_of(name)}'" if isinstance(name, str) and 0 < len(name) <= LONGEST_NAME else ""

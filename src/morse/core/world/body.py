@@ -413,7 +413,7 @@ class Wheel(Protocol):
 
 
 class FileMotor(Protocol):
-    """An actuator of a model file that is no motor of a single joint: of a tendon, a muscle.
+    """An actuator of a model file that is not a motor of a single joint: of a tendon, a muscle.
 
     Attributes:
         name: its name.
@@ -443,7 +443,7 @@ class Joints(Protocol):
 
     @property
     def file_motors(self) -> Sequence[FileMotor]:
-        """The actuators of the file of the armature that are no motors of single joints."""
+        """The actuators of the file of the armature that are not motors of single joints."""
 
     def measured(self, names: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return the positions, velocities and efforts of J joints, (J,) each, which nobody changes afterwards."""

@@ -52,7 +52,7 @@ class Parameters:
         try:
             encoded(value)
         except (TypeError, ValueError, OverflowError, RecursionError):
-            return None  # an object of the component is no parameter
+            return None  # an object of the component is not a parameter
         parameter = {"name": name, "value": list(value) if isinstance(value, tuple) else value}
         # without the type, Foxglove shows 1.0 as an integer and sends it back as one
         if isinstance(value, float):

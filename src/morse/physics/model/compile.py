@@ -92,7 +92,7 @@ class Compiled:
     Attributes:
         steps: physics steps per tick.
         geom_node: node of each geom.
-        file_motors: actuators of MJCF files that are no motors of single joints.
+        file_motors: actuators of MJCF files that are not motors of single joints.
         link_bodies: the body of each link of MJCF files.
         planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floors`.
         restitution: (ngeom,) of each geom, from 0 to 1, or -1.

@@ -188,7 +188,7 @@ class Files:
         spec: the model.
 
     Attributes:
-        motors: the actuators that are no motors of single joints.
+        motors: the actuators that are not motors of single joints.
         link_bodies: the body of each link, also of those that are fixed to others.
     """
 

@@ -134,7 +134,7 @@ class JointHandle:
 
     @property
     def file_motors(self) -> list[FileMotor]:
-        """The actuators of the file of the armature that are no motors of single joints."""
+        """The actuators of the file of the armature that are not motors of single joints."""
         return [motor for motor in self._state.file_motors if motor.armature == self._name]
 
     def pull(self, commands: Mapping[str, float]) -> None:

@@ -345,7 +345,7 @@ class EngineState:
         attached: slot of a body to its wheels and links.
         joints: armature to its joints by name.
         whole: slot of a robot from a file to all of its bodies in the engine.
-        file_motors: actuators of MJCF files that are no motors of single joints.
+        file_motors: actuators of MJCF files that are not motors of single joints.
         geom_node: node of each geom.
         link_bodies: the body of each link of MJCF files, in the engine.
         planes: the geoms of boxes to those of the planes at their tops.

@@ -315,7 +315,7 @@ def several(values: Iterable[float], what: str, example: str) -> list[float]:
     """Return the first items of what a script gives as several numbers.
 
     Raises:
-        TypeError: it is no series of values.
+        TypeError: it is not a series of values.
     """
     if not isinstance(values, Iterable) or isinstance(values, str):
         raise TypeError(f"{what} takes several numbers, such as {example}, got {checks.shown(values)}")

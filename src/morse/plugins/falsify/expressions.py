@@ -121,7 +121,7 @@ class Expression:
         names: the names that it contains, each as its parts.
 
     Raises:
-        RequirementError: it is no condition of the language.
+        RequirementError: it is not a condition of the language.
     """
 
     def __init__(self, text: str) -> None:
@@ -133,7 +133,7 @@ class Expression:
             tree = ast.parse(self.text, mode="eval")
         except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
             reason = error.msg if isinstance(error, SyntaxError) else "it is nested too deeply"
-            raise RequirementError(f"{quoted(self.text)} is no expression of Python: {reason}") from None
+            raise RequirementError(f"{quoted(self.text)} is not an expression of Python: {reason}") from None
         if _depth(tree) > _DEEPEST:
             raise RequirementError(f"{quoted(self.text)} is nested too deeply")
         self._root = self._root_of(tree.body)
@@ -168,7 +168,7 @@ class Expression:
             case ast.Compare(left=left, ops=operators, comparators=right):
                 return self._comparison(node, [left, *right], operators)
             case ast.BinOp() | ast.Constant(value=int() | float() | str() | bytes() | complex()) if not _is_bool(node):
-                raise self._refused(node, "is no condition: compare it, as in 'a > 0.4'")
+                raise self._refused(node, "is not a condition: compare it, as in 'a > 0.4'")
         value = self._value(node)
         return lambda look: self._truth(node, value(look))
 
@@ -237,14 +237,14 @@ class Expression:
         parts.append(node.id)
         for part in parts:
             if part.startswith("_"):
-                raise RequirementError(f"in {quoted(self.text)}, {part!r} is no name of a component or a field")
+                raise RequirementError(f"in {quoted(self.text)}, {part!r} is not a name of a component or a field")
         return tuple(reversed(parts))
 
     def _operation(self, left: ast.expr, operator: ast.operator, right: ast.expr) -> _Value:
         if isinstance(operator, ast.Pow):
             is_small = isinstance(right, ast.Constant) and isinstance(right.value, (int, float))
             if not is_small or abs(right.value) > _GREATEST_EXPONENT:  # type: ignore[attr-defined]
-                raise self._refused(right, f"is no exponent: expected a number of at most {_GREATEST_EXPONENT}")
+                raise self._refused(right, f"is not an exponent: expected a number of at most {_GREATEST_EXPONENT}")
         a, b, function = self._value(left), self._value(right), _OPERATORS[type(operator)]
 
         def computed(look: Look) -> Any:
@@ -312,7 +312,7 @@ class Expression:
                     raise self._refused(node, f"does not exist: there are {len(value)}") from None
                 raise NotYetError from None
             except (TypeError, ValueError):
-                raise self._refused(node, f"is no part of {quoted(value)}") from None
+                raise self._refused(node, f"is not part of {quoted(value)}") from None
 
         return item
 
@@ -322,7 +322,7 @@ class Expression:
                 return -value
             case ast.Constant(value=int() as value) if not isinstance(value, bool):
                 return value
-        raise self._refused(node, "is no index: expected an integer, a slice of integers, or a text")
+        raise self._refused(node, "is not an index: expected an integer, a slice of integers, or a text")
 
     def _number(self, node: ast.expr, value: Any) -> float:
         value = self._numbers(node, value)

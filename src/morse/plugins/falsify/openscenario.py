@@ -387,10 +387,10 @@ class _Reader:
         match = _NUMBER.fullmatch(text)
         if match is None or match[2] not in _UNITS[kind]:
             units = ", ".join(_UNITS[kind])
-            raise self._refused(number, f"{quoted(text)} is no {kind}: expected a number with a unit: {units}")
+            raise self._refused(number, f"{quoted(text)} is not a {kind}: expected a number with a unit: {units}")
         value = float(match[1]) * _UNITS[kind][match[2]]
         if not math.isfinite(value):
-            raise self._refused(number, f"{quoted(text)} is no finite {kind}")
+            raise self._refused(number, f"{quoted(text)} is not a finite {kind}")
         return value
 
 

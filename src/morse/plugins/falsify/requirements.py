@@ -66,10 +66,10 @@ def requirement(
     """Check a requirement.
 
     Args:
-        parameters: the names of the parameters of the scenario, which are no results.
+        parameters: the names of the parameters of the scenario, which are not results.
 
     Raises:
-        RequirementError: it is no condition; the message contains the line.
+        RequirementError: it is not a condition; the message contains the line.
         TypeError: it is neither a text nor a function.
     """
     if not within > 0.0:
@@ -340,7 +340,7 @@ class Formula:
             except NotYetError:
                 continue
             except (TypeError, ValueError):
-                raise RequirementError(f"{self.requirement.where}: '{name}' is no number") from None
+                raise RequirementError(f"{self.requirement.where}: '{name}' is not a number") from None
             except RequirementError as error:
                 raise RequirementError(f"{self.requirement.where}: {error}") from None
 
@@ -357,8 +357,8 @@ class Formula:
             values = results[name]
             if not isinstance(values, list) or len(values) != len(self._times):
                 raise RequirementError(
-                    f"{self.requirement.where}: the result '{name}' is no list of {len(self._times)} numbers, one for "
-                    "each tick"
+                    f"{self.requirement.where}: the result '{name}' is not a list of {len(self._times)} numbers, one "
+                    "for each tick"
                 )
             self._values[name] = [[time, float(value)] for time, value in zip(self._times, values, strict=True)]
         if not self._times or not all(self._values.values()):

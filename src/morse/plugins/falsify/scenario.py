@@ -161,10 +161,10 @@ class Scenario:
 
         Raises:
             RequirementError: the expression is none.
-            ValueError: it is no name, or something else has it.
+            ValueError: it is not a name, or something else has it.
         """
         if not name.isidentifier() or name in self.space.defaults or name in self.monitored.signals:
-            raise ValueError(f"a signal cannot be called {name!r:.80}: it is no name, or something else has it")
+            raise ValueError(f"a signal cannot be called {name!r:.80}: it is not a name, or something else has it")
         if callable(value):
             self.monitored.signals[name] = value
             return

@@ -116,7 +116,7 @@ class MoosStream(KindStream):
         """Check the prefix, and find the database.
 
         Raises:
-            MorseMiddlewareError: it is no part of a name of MOOS.
+            MorseMiddlewareError: it is not part of a name of MOOS.
         """
         super().initialize()
         self.prefix = self.kwargs["prefix"]

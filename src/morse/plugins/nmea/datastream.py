@@ -202,7 +202,7 @@ def _serial(device: str, baud: int) -> tuple[int, int, str]:
     except (termios.error, OSError):
         os.close(line)
         raise MorseMiddlewareError(
-            f"nmea: '{device:.200}' is no serial line; expected a device such as /dev/ttyUSB0, or 'pty'"
+            f"nmea: '{device:.200}' is not a serial line; expected a device such as /dev/ttyUSB0, or 'pty'"
         ) from None
     except MorseMiddlewareError:
         for descriptor in (line, far):

@@ -32,7 +32,7 @@ _SYMBOL = re.compile(r"(?![+-]?[.\d])[\w.+*/<>=!?&$%^~-]+")
 def as_lisp(objects: Iterable[RosMessage]) -> str:
     """Return ``((name description x y z qx qy qz qw) ...)``.
 
-    An empty description is ``-``. Texts that are no symbols are strings in quotation marks.
+    An empty description is ``-``. Texts that are not symbols are strings in quotation marks.
 
     Args:
         objects: the ``visible_objects`` of a `SemanticCamera`: positions in m, orientations as quaternions.

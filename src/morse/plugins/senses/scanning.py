@@ -116,7 +116,7 @@ def by_object(rays: RayBundle, value: Callable[[Body], float]) -> Floats:
 
 
 def number_of(body: Body, name: str, default: float, low: float = 0.0, high: float = math.inf) -> float:
-    """Return a property of an object as a number in a range; the default if it has none, or if it is no number."""
+    """Return a property of an object as a number in a range; the default if it has none, or if it is not a number."""
     value = body.get(name)
     if isinstance(value, (int, float)) and math.isfinite(value):
         return min(max(float(value), low), high)

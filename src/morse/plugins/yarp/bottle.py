@@ -160,7 +160,7 @@ class _Reader:
             return word(self._take(4))
         if tag & (LIST | DICT):
             return self.list(tag & _UNIT, depth)
-        raise BottleError(f"{tag} is no tag of a value")
+        raise BottleError(f"{tag} is not a tag of a value")
 
 
 def word(data: bytes) -> Vocab | bool:

@@ -248,7 +248,7 @@ class YarpJsonDatastreamManager(YarpDatastreamManager):
         """The fields of a bottle.
 
         Raises:
-            ValueError: it is not a JSON text.
+            ValueError: it is not JSON text.
         """
         if len(data) != 1 or not isinstance(data[0], str):
             raise ValueError("expected one JSON text")

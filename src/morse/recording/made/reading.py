@@ -344,7 +344,7 @@ _MOST_BYTES = 4 * LARGEST
 
 def _number(value: Any) -> float:
     if type(value) not in (int, float):
-        raise TypeError(f"{value!r:.40} is no number")
+        raise TypeError(f"{value!r:.40} is not a number")
     return value  # type: ignore[no-any-return]
 
 

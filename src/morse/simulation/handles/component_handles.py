@@ -202,7 +202,7 @@ def handle_of(simulation: Handles, name: str) -> ComponentHandle:
 
     Raises:
         KeyError: there is no such component.
-        TypeError: the name is no text.
+        TypeError: the name is not a text.
     """
     if not isinstance(name, str):
         raise TypeError(f"a component is given by its full name, such as 'robot.pose', not {name!r:.80}")

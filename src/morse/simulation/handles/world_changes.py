@@ -278,7 +278,7 @@ class WorldChanges:
         if max(map(abs, numbers[:2] if len(numbers) == 3 else numbers[:3])) > _FARTHEST:
             raise ValueError(f"the pose of '{name}' is {numbers!r:.100}, expected positions within {_FARTHEST:g} m")
         if len(numbers) == 7 and not any(numbers[3:]):
-            raise ValueError(f"the pose of '{name}' has the quaternion 0, 0, 0, 0, which is no orientation")
+            raise ValueError(f"the pose of '{name}' has the quaternion 0, 0, 0, 0, which is not an orientation")
         if len(numbers) == 3:
             x, y, yaw = numbers
             matrix = obj.node.world_matrix()

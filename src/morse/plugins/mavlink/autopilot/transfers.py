@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 #: MAV_MISSION_TYPE
 MISSION, FENCE, _ALL = 0, 1, 255
 _MOST_ITEMS = 5000
-#: ``current`` of an item that is no part of a mission, as ArduPilot reads it: go there at once, or to its height
+#: ``current`` of an item that is not part of a mission, as ArduPilot reads it: go there at once, or to its height
 _GO, _CLIMB = 2, 3
 #: simulated time, ns: an item that is late is asked for again; an upload without items ends
 _AGAIN, _GIVEN_UP = 500_000_000, 5 * 10**9

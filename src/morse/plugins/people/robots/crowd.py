@@ -62,12 +62,12 @@ def _json(crowd: Crowd, name: str, text: str, kind: type) -> Any:
     """Return the value of a property that the script has written.
 
     Raises:
-        MorseError: it is no JSON, or of another kind.
+        MorseError: it is not JSON, or of another kind.
     """
     try:
         value = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise MorseError(f"{crowd.name()}: the property {name} is no JSON: {error}") from None
+        raise MorseError(f"{crowd.name()}: the property {name} is not JSON: {error}") from None
     if not isinstance(value, kind):
         raise MorseError(f"{crowd.name()}: the property {name} is no {kind.__name__}")
     return value
