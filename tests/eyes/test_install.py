@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -15,7 +17,6 @@ from morse import eyes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 _MODEL = (
     '<mujoco><worldbody><light pos="0 0 2"/><geom type="plane" size="0 0 1"/><camera name="c" pos="0 0 2"/>'
@@ -108,14 +109,96 @@ def test_environments_of_gymnasium_draw_with_one_line_more() -> None:
     assert result.stdout.strip() == "drawn", result.stderr
 
 
-@pytest.mark.parametrize("version", ["2.3.7", "3.10.0", "4.1.0", "5.0.0", "11.2", "abc", None])
+_DM_CONTROL = """
+from dm_control import suite
+env = suite.load("cartpole", "swingup", task_kwargs={"random": 1})
+env.reset()
+first = env.physics.render(48, 64, camera_id=0)
+for _ in range(10):
+    env.step([1.0])
+second = env.physics.render(48, 64, camera_id=0)
+depth = env.physics.render(48, 64, camera_id=0, depth=True)
+ids = env.physics.render(48, 64, camera_id=0, segmentation=True)
+assert depth.shape == (48, 64) and 0 < depth.min() < depth.max()
+assert ids.shape == (48, 64, 2) and len(np.unique(ids[..., 0])) > 2
+env.physics.free()
+"""
+_ROBOSUITE = """
+import robosuite
+env = robosuite.make(
+    "Lift", robots="Panda", has_renderer=False, has_offscreen_renderer=True, camera_names="agentview",
+    camera_heights=48, camera_widths=64, camera_depths=True, seed=1,
+)
+seen = env.reset()
+first, depth = seen["agentview_image"], seen["agentview_depth"]
+for _ in range(3):
+    seen, *_ = env.step(np.ones(env.action_dim))
+second = seen["agentview_image"]
+assert depth.shape == (48, 64, 1) and 0 < depth.min() < depth.max() <= 1
+env.close()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("opengl", ["glfw", "egl", "osmesa"])
+@pytest.mark.parametrize(
+    ("packages", "script"),
+    [
+        (("mujoco==3.17.0", "dm_control==1.0.50"), _DM_CONTROL),
+        (("mujoco==3.3.7", "robosuite==1.5.2"), _ROBOSUITE),
+    ],
+)
+def test_packages_that_need_another_mujoco_draw_with_one_line_more(
+    packages: tuple[str, ...], script: str, opengl: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    python = _environment(packages, tmp_path_factory)
+    source = Path(morse.__file__).parents[1]
+    check = (
+        "assert first.shape == second.shape == (48, 64, 3) and first.std() > 10\n"
+        "assert not np.array_equal(first, second)\n"
+        "assert sys.modules['mujoco'].MjrContext.__module__ == 'morse.eyes.opengl'\nprint('drawn')\n"
+    )
+    result = subprocess.run(
+        [python, "-c", "import sys\nimport numpy as np\nfrom morse import eyes\neyes.install()\n" + script + check],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(source), "MUJOCO_GL": opengl},
+    )
+    assert result.stdout.strip().endswith("drawn"), result.stderr[-2000:]
+
+
+_environments: dict[tuple[str, ...], str] = {}
+
+
+def _environment(packages: tuple[str, ...], folders: pytest.TempPathFactory) -> str:
+    """An environment with some packages, and its Python."""
+    if packages in _environments:
+        return _environments[packages]
+    folder = folders.mktemp("environment")
+    subprocess.run([sys.executable, "-m", "venv", folder], check=True)
+    python = next(path for path in (folder / "bin" / "python", folder / "Scripts" / "python.exe") if path.exists())
+    subprocess.run([python, "-m", "pip", "install", "-q", *packages], check=True)
+    _environments[packages] = str(python)
+    return str(python)
+
+
+@pytest.mark.usefixtures("installed")
+def test_modules_of_contexts_name_what_they_have_not() -> None:
+    contexts = sys.modules["robosuite.renderers.context.egl_context"]
+    contexts.EGLGLContext(max_width=8, max_height=8, device_id=0).make_current()
+    with pytest.raises(AttributeError, match=r"egl_context.*EGL_DISPLAY.*morse\.eyes\.install"):
+        _ = contexts.EGL_DISPLAY
+
+
+@pytest.mark.parametrize("version", ["2.3.7", "3.2.7", "4.1.0", "5.0.0", "11.2", "abc", None])
 def test_other_versions_of_mujoco_are_told(version: str | None) -> None:
     named = "incomplete" if version is None else f"installed is {version}"
-    with pytest.raises(ImportError, match=rf'from 3\.11 to before 4\.1; .*{named}.*pip install "mujoco>=3\.11,<4\.1"'):
+    with pytest.raises(ImportError, match=rf'from 3\.3 to before 4\.1; .*{named}.*pip install "mujoco>=3\.3,<4\.1"'):
         eyes.check_version(version)
 
 
-@pytest.mark.parametrize("version", ["3.11.0", "3.17.0", "4.0.1", "4.0.2rc1", mujoco.__version__])
+@pytest.mark.parametrize("version", ["3.3.0", "3.10.0", "3.17.0", "4.0.1", "4.0.2rc1", mujoco.__version__])
 def test_versions_that_are_supported_pass(version: str) -> None:
     eyes.check_version(version)
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import morse
-from morse.eyes.geoms import GeomArray
+from morse.eyes.geoms import GeomArray, _with_textures
 from morse.eyes.light import ShadowMaps
 from morse.eyes.renderer import three_geoms
 from morse.kernel.drawing.native import NativeDrawer
@@ -485,6 +485,30 @@ def test_geoms_are_read_where_they_are_in_memory() -> None:
     for row, geom in zip(geoms, scene.geoms[: scene.ngeom], strict=True):
         for name in row.dtype.names:
             assert np.array_equal(np.ravel(row[name]), np.ravel(getattr(geom, name))), name
+
+
+def test_geoms_of_versions_without_textures_have_those_of_their_materials() -> None:
+    asset = (
+        '<texture name="a" type="2d" builtin="flat" width="4" height="4"/><texture name="b" type="cube" '
+        'builtin="flat" width="4" height="24"/><material name="a" texture="a" texrepeat="3 5" texuniform="true"/>'
+        '<material name="b" texture="b"/><material name="c"/>'
+    )
+    body = "".join(f'<geom size=".1" material="{name}"/>' for name in "abca") + '<geom size=".1"/>'
+    model = mujoco.MjModel.from_xml_string(_world(body, asset=asset))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 8, 8) as renderer:
+        renderer.update_scene(data)
+        geoms = GeomArray(renderer.scene, three_geoms).now()
+        names = [name for name in geoms.dtype.names or () if name not in ("texid", "texuniform", "texrepeat")]
+        older = np.zeros(len(geoms), [(name, geoms.dtype[name]) for name in names])
+        for name in names:
+            older[name] = geoms[name]
+        made = _with_textures(older, model)
+        for name in geoms.dtype.names or ():
+            assert np.array_equal(made[name], geoms[name]), name
+        older["matid"] = 7  # of a program
+        assert (_with_textures(older, model)["texid"] == -1).all()
 
 
 def test_a_batch_has_the_pictures_of_its_states() -> None:

@@ -16,7 +16,7 @@ import re
 import mujoco
 
 #: the first version of MuJoCo whose scenes are read, and the first one whose are not known
-_FIRST, _BEYOND = (3, 11), (4, 1)
+_FIRST, _BEYOND = (3, 3), (4, 1)
 
 
 def check_version(version: str | None) -> None:

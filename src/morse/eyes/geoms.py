@@ -38,6 +38,10 @@ _FIELDS = {
     "castshadow": "u1",
     "modelrbound": "f4",
 }
+#: the fields that geoms have from MuJoCo 3.11 on; before, only their materials have them
+_OF_MATERIALS = ("texid", "texuniform", "texrepeat")
+#: which of the textures of a material is that of its colour
+_RGB = 1
 #: the fields on which the instances depend, but not their poses
 _LOOKS = (
     *("type", "dataid", "objid", "segid", "texid", "texuniform", "texcoord", "size", "rgba", "emission", "specular"),
@@ -82,10 +86,16 @@ def _layout(make: Any) -> tuple[np.dtype[np.void], int]:
 
 
 class GeomArray:
-    """The geoms of a scene, as a structured array that shares the memory of the scene."""
+    """The geoms of a scene, as a structured array that shares the memory of the scene.
 
-    def __init__(self, scene: Any, make: Any) -> None:
-        self._scene = scene
+    Args:
+        scene: `mujoco.MjvScene`.
+        make: makes a scene that has room for three geoms.
+        model: its materials have the textures of geoms in versions of MuJoCo whose geoms have none.
+    """
+
+    def __init__(self, scene: Any, make: Any, model: Any = None) -> None:
+        self._scene, self._model = scene, model
         geoms = scene.geoms
         layout, start = _layout(make)
         self._all: NDArray[Any] = np.zeros(0, layout)
@@ -95,7 +105,26 @@ class GeomArray:
 
     def now(self) -> NDArray[np.void]:
         """(N,) the geoms that are used."""
-        return self._all[: max(self._scene.ngeom, 0)]
+        used = self._all[: max(self._scene.ngeom, 0)]
+        return used if "texid" in (used.dtype.names or ()) else _with_textures(used, self._model)
+
+
+def _with_textures(used: NDArray[np.void], model: Any) -> NDArray[np.void]:
+    """The geoms of a scene of MuJoCo before 3.11, with the textures of their materials."""
+    names = used.dtype.names or ()
+    fields = [(name, form) for name, form in _FIELDS.items() if name in names or name in _OF_MATERIALS]
+    geoms = np.zeros(len(used), fields)
+    for name in names:
+        geoms[name] = used[name]
+    geoms["texid"] = -1
+    rows = np.flatnonzero((used["matid"] >= 0) & (used["matid"] < (0 if model is None else model.nmat)))
+    if len(rows):
+        of = used["matid"][rows]
+        # before 3.2, materials had one texture
+        textures = np.asarray(model.mat_texid).reshape(model.nmat, -1)
+        geoms["texid"][rows] = textures[of, min(_RGB, textures.shape[1] - 1)]
+        geoms["texuniform"][rows], geoms["texrepeat"][rows] = model.mat_texuniform[of], model.mat_texrepeat[of]
+    return geoms
 
 
 class Instances(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -24,8 +25,8 @@ _ZERO_NEAR, _ZERO_FAR = 0, 1
 class GLContext:
     """A context of OpenGL, which is not needed."""
 
-    def __init__(self, max_width: int = 0, max_height: int = 0) -> None:
-        del max_width, max_height
+    def __init__(self, max_width: int = 0, max_height: int = 0, device_id: int = -1) -> None:
+        del max_width, max_height, device_id
 
     def make_current(self) -> None:
         """Do nothing."""
@@ -63,6 +64,7 @@ class MjrContext:
         self.offSamples, self.currentBuffer, self.readDepthMap = 4, 0, _ZERO_NEAR
         self.offFBO, self.windowAvailable = 1, 0
         self.size = max(self.offWidth, self.offHeight, 1)
+        self._model = model
         self._artist = None if model is None else Artist(model, self.look, self.size)
         self._scene: Any = None
         self._geoms: GeomArray | None = None
@@ -78,7 +80,7 @@ class MjrContext:
         if self._artist is None:
             raise RuntimeError("mjr_render cannot be called after the context was freed.")
         if self._scene is not scene or self._geoms is None:
-            self._scene, self._geoms = scene, GeomArray(scene, three_geoms)
+            self._scene, self._geoms = scene, GeomArray(scene, three_geoms, self._model)
         view = view_of(scene, int(viewport.width), int(viewport.height))
         geoms = _Snapshot(self._geoms.now().copy())
         self._shown = scene, geoms, view
@@ -138,13 +140,37 @@ _NAMES: dict[str, Any] = {
         ("mjr_overlay", "mjr_text", "mjr_figure", "mjr_rectangle", "mjr_finish", "mjr_resizeOffscreen"), _nothing
     ),
 }
-#: modules that make contexts of OpenGL
-_CONTEXTS = ("mujoco.egl", "mujoco.osmesa", "mujoco.glfw")
+
+
+class _Contexts(ModuleType):
+    """Replaces a module that makes contexts of OpenGL: all its classes need none."""
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.endswith("Context"):
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}: morse.eyes.install replaced it")
+        if not self.__name__.startswith("dm_control."):
+            return GLContext
+        base = importlib.import_module("dm_control._render.base").ContextBase
+        methods = ("_platform_init", "_platform_make_current", "_platform_free")
+        made = type(name, (base,), {"__module__": self.__name__, **dict.fromkeys(methods, _nothing)})
+        setattr(self, name, made)
+        return made
+
+
+#: modules that make contexts of OpenGL: of MuJoCo, dm_control and robosuite
+_CONTEXTS = (
+    *("mujoco.egl", "mujoco.osmesa", "mujoco.glfw"),
+    *("dm_control._render.pyopengl.egl_renderer", "dm_control._render.pyopengl.osmesa_renderer"),
+    "dm_control._render.glfw_renderer",
+    *(f"robosuite.renderers.context.{name}_context" for name in ("egl", "osmesa", "glfw")),
+)
 _before: dict[str, Any] = {}
 
 
 def install(*, look: str = "classic") -> None:
     """Let `mujoco.Renderer`, `mujoco.MjrContext` and the functions ``mjr_*`` draw without OpenGL in this process.
+
+    dm_control and robosuite make contexts of OpenGL by themselves: these are replaced, too.
 
     Programs that import these names before keep those that they have: call it first. It does not matter how often.
 
@@ -164,9 +190,7 @@ def install(*, look: str = "classic") -> None:
     for name, value in {**_NAMES, "GLContext": GLContext}.items():
         setattr(mujoco, name, value)
     for name in _CONTEXTS:
-        module = ModuleType(name, GLContext.__doc__)
-        module.GLContext = GLContext  # type: ignore[attr-defined]
-        sys.modules[name] = module
+        sys.modules[name] = _Contexts(name, _Contexts.__doc__)
 
 
 def uninstall() -> None:

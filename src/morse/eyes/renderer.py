@@ -72,7 +72,7 @@ class Renderer:
         )
         #: a scene takes 0.8 kB a geom: one that has room for everything is made when it is needed
         self._grows = max_geom is None
-        self._geoms = GeomArray(self._scene, three_geoms)
+        self._geoms = GeomArray(self._scene, three_geoms, self._model)
         self._scene_option = mujoco.MjvOption()
         self._artist = Artist(model, look, 2 * max(width, height))
         self._mode = "rgb"
@@ -178,7 +178,7 @@ class Renderer:
         self._grows, old = False, self._scene
         self._scene = mujoco.MjvScene(model=self._model, maxgeom=_room_for(self._model, all_of_it=True))
         self._scene.flags[:] = old.flags
-        self._geoms = GeomArray(self._scene, three_geoms)
+        self._geoms = GeomArray(self._scene, three_geoms, self._model)
 
     def render(self, *, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Return the picture.
