@@ -180,6 +180,33 @@ def test_a_robot_below_the_floor_is_named(tmp_path: Path, caplog: pytest.LogCapt
     assert "'high'" not in message
 
 
+@pytest.mark.parametrize(
+    ("robot", "more", "falls"),
+    [
+        ("ATRV", "", True),
+        ("Pioneer3DX", "", True),
+        ("RMax", "", False),
+        ("ATRV", "one.properties(NoGravity=True)", False),
+    ],
+)
+def test_a_world_without_a_floor_says_so(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, robot: str, more: str, falls: bool
+) -> None:
+    size = "<geometry><box><size>1 1 1</size></box></geometry>"
+    (tmp_path / "shelf.sdf").write_text(
+        '<sdf version="1.6"><world name="w"><model name="shelf"><static>true</static><pose>9 0 3 0 0 0</pose>'
+        f'<link name="l"><collision name="c">{size}</collision><visual name="v">{size}</visual></link></model>'
+        "</world></sdf>"
+    )
+    path = scene(tmp_path, f"one = {robot}()\none.translate(2, 0, 1)\n{more}\nEnvironment('shelf.sdf', fastmode=True)")
+    with caplog.at_level(logging.WARNING), morse.load(path):
+        pass
+    told = [record.getMessage() for record in caplog.records if "no floor" in record.getMessage()]
+    assert [text.partition(": ")[2] for text in told] == (
+        ["the world has no floor below its robots, which fall: 'one'"] if falls else []
+    )
+
+
 # -- a robot that the script placed above the floor is at rest in the first message of a run -------
 
 SCENE = """

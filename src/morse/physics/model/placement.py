@@ -18,10 +18,8 @@ from morse.physics.model.files import model_of
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from morse.physics.bodies import Bodies
-    from morse.physics.model.layout import Frame
+    from morse.physics.model.layout import Frame, Slot
     from morse.physics.state.engine_state import EngineState
     from morse.scene import Node, SourceLine
 
@@ -78,26 +76,57 @@ def _message(depths: dict[tuple[str, str], float], advice: str) -> str:
 def below_the_floor(state: EngineState) -> tuple[str, SourceLine | None]:
     """Return a message about the robots that have fixed objects above them, but nothing below; empty if there are none.
 
-    Such robots fall for ever. The second value is the line of the script that created the first of them.
+    Such robots fall for ever. So do all robots that stand, in a world without a floor, which the message says. The
+    second value is the line of the script that created the first of them.
     """
     if state.model.opt.gravity[2] >= 0.0:
         return "", None
     robots = [slot for slot in state.slots if slot.frame.robot is not None and slot.frame.motion is Motion.FREE]
     low, line = list[str](), None
+    falling: list[Slot] = []
     for slot in robots[:_ROBOTS]:
-        origin, geom = np.array(state.data.xipos[slot.body]), np.full(1, -1, dtype=np.int32)
-        if _ray(state, origin, -1.0, slot.body, geom) >= 0.0:
+        if _hit(state, slot, -1.0) is not None:
             continue
-        height = _ray(state, origin, 1.0, slot.body, geom)
-        if height >= 0.0 and not _moves(_frame(state, int(geom[0]))):
+        above = _hit(state, slot, 1.0)
+        if above is not None and not _moves(above[1]):
             line = line or slot.frame.node.line
-            low.append(f"'{slot.frame.node.name}' by {height:.2g} m")
-    return f"robots start below the floor, and fall: {', '.join(low)}; set them above it" if low else "", line
+            low.append(f"'{slot.frame.node.name}' by {above[0]:.2g} m")
+        elif _needs_floor(state, slot):
+            falling.append(slot)
+    if low:
+        return f"robots start below the floor, and fall: {', '.join(low)}; set them above it", line
+    if falling and len(falling) == len([slot for slot in robots if _needs_floor(state, slot)]):
+        names = ", ".join(f"'{slot.frame.node.name}'" for slot in falling)
+        return f"the world has no floor below its robots, which fall: {names}", falling[0].frame.node.line
+    return "", line
 
 
-def _ray(state: EngineState, origin: NDArray[np.float64], up: float, body: int, geom: NDArray[np.int32]) -> float:
-    """Return the distance to what is above or below a point, m; negative if there is nothing."""
-    return float(mujoco.mj_ray(state.model, state.data, origin, np.array([0.0, 0.0, up]), None, 1, body, geom))
+def _needs_floor(state: EngineState, slot: Slot) -> bool:
+    """Whether a robot stands or drives; others may fly."""
+    index = state.slot_of[slot.frame.node]
+    is_driven = bool(slot.frame.node.properties.get("GroundRobot")) or index in state.wheels or _is_of_file(slot.frame)
+    is_heavy = slot.frame.node.body.gravity and not slot.frame.node.properties.get("NoGravity")
+    return is_driven and is_heavy and bottom_of(state, slot.frame.node) is not None
+
+
+def _hit(state: EngineState, slot: Slot, up: float) -> tuple[float, Frame] | None:
+    """Return the distance to what is above or below the centre of a robot, m, and the body that it is; None if nothing.
+
+    The parts of the robot do not count.
+    """
+    origin, geom = np.array(state.data.xipos[slot.body]), np.full(1, -1, dtype=np.int32)
+    way, direction = 0.0, np.array([0.0, 0.0, up])
+    for _ in range(_MOST_HITS):
+        point = origin + way * direction
+        distance = float(mujoco.mj_ray(state.model, state.data, point, direction, None, 1, slot.body, geom))
+        if distance < 0.0:
+            return None
+        way += distance
+        frame = _frame(state, int(geom[0]))
+        if frame is not slot.frame:
+            return way, frame
+        way += _APART
+    return None
 
 
 def _frame(state: EngineState, geom: int) -> Frame:
