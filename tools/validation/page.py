@@ -17,6 +17,7 @@ import pictures
 import seeing
 import senses
 import sensing
+import sun
 import traffic
 import weather
 
@@ -34,6 +35,7 @@ CHAPTERS = (
     ("People", people),
     ("Belts and lifts", facilities),
     ("Traffic", traffic),
+    ("Sun", sun),
     ("The engine", engine),
 )
 HEAD = """# Validation

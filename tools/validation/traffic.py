@@ -69,5 +69,5 @@ def gain(acceleration: float) -> Figure:
         expected,
         float(abs(waves[2] / waves[1])),
         0.02,
-        "|(f_s + iω f_l) / (f_s − ω² − iω f_v)|, criterion f_v² − f_l² > 2 f_s",
+        "modulus of (f_s + iω f_l) / (f_s − ω² − iω f_v); criterion f_v² − f_l² > 2 f_s",
     )

@@ -165,6 +165,7 @@ from morse.plugins.facilities.handling import Conveyor as Conveyor
 from morse.plugins.facilities.handling import Dispenser as Dispenser
 from morse.plugins.facilities.handling import Turntable as Turntable
 from morse.plugins.people.builder import Crowd as Crowd
+from morse.plugins.sun.builder import StreetLamp as StreetLamp
 from morse.plugins.traffic.builder import Traffic as Traffic
 from morse.scene.scene import TimeStrategies as TimeStrategies
 from typing import Any, Literal
@@ -345,6 +346,7 @@ __all__ = [
     "StarFish450F",
     "SteerForce",
     "StereoUnit",
+    "StreetLamp",
     "Submarine",
     "TactileArray",
     "Teleport",

@@ -1,0 +1,1 @@
+"""Lamps in a run."""
