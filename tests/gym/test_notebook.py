@@ -1,25 +1,15 @@
 """The notebook from a scene to a policy and a sweep runs, cell by cell."""
 
-import json
-import linecache
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-NOTEBOOK = Path(__file__).parents[2] / "examples" / "many_simulations.ipynb"
+from tests.kit.notebooks import run_cells
 
 
 @pytest.mark.long
 def test_the_notebook_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    values = {"__name__": "__main__"}
-    for number, cell in enumerate(json.loads(NOTEBOOK.read_text())["cells"]):
-        if cell["cell_type"] == "code":
-            # as IPython does: the sources of functions are found
-            text, name = "".join(cell["source"]), f"<cell {number}>"
-            linecache.cache[name] = len(text), None, text.splitlines(True), name
-            exec(compile(text, name, "exec"), values)
+    values, _ = run_cells("many_simulations.ipynb")
     # the ATRV touches the wall if it drives more than 4 m in 3 s
     assert values["picture"].shape == (300, 480, 3)
     assert not values["touched"][:5].any()

@@ -10,8 +10,9 @@ from view_pages import fetch, port_of
 from view_simulation import CircleDriver
 from view_worlds import playground
 
-from morse.viewer.notebook import frame, proxy_token
+from morse.viewer.notebook import Frame, frame, proxy_token
 from morse.viewer.server import ViewServer
+from tests.kit.notebooks import run_cells
 from tests.kit.waiting import wait_until
 
 
@@ -82,6 +83,16 @@ def test_the_frame_has_the_address_of_the_proxy(
     assert note in shown.note
     assert bool(note) == ("small" in shown._repr_html_())
     assert (proxy_token() is None) == ("http://127" in address)
+
+
+def test_the_notebook_of_the_examples_shows_drives_and_measures(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    values, shown = run_cells("live_view.ipynb", duration="0.6")
+    page = next(value for value in shown if isinstance(value, Frame))
+    assert attributes(page._repr_html_())["src"].startswith("http://127.0.0.1:")
+    assert sorted(values["speed"])[len(values["speed"]) // 2] == pytest.approx(1.0, rel=0.02)
+    # both cells that run
+    assert values["track"][-1][0] == pytest.approx(1.2, abs=0.05)
 
 
 class Proxy:
