@@ -195,6 +195,7 @@ def test_a_thousand_places_of_clients_keep_few_ways(tmp_path):
         lambda people: people.update(lag="soon"),
         lambda people: people.update(lag=math.nan),
         lambda people: people.update(group=np.full(5, 10**9)),
+        lambda people: people.update(rank=np.full(5, 10**12)),
         lambda people: people.update(heading=np.zeros((5, 2))),
         lambda people: people.update(stride=np.zeros(5)),
         lambda people: people.update(free_speed=np.full(5, -1.0)),

@@ -151,3 +151,33 @@ crowd.start(places=[(2.4, 0.0)])
             sim.step()
             assert max([0.0, *(one["force"] for one in sim.people.data["contacts"])]) <= GIVES_WAY
             assert sim.people.data["positions"][0, 0] < 2.8
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_people_open_the_doors_to_which_they_walk(load, locked):
+    lines = """
+for number, y in enumerate((2.5, -2.5)):
+    wall = Cube(f"wall{number}")
+    wall.scale = (0.1, 2.0, 1.2)
+    wall.translate(14, y, 1.2)
+    wall.static()
+door = Door("door")
+door.translate(x=14.0)
+people = Crowd("people", 4)
+people.start([(10, -1.5), (12, 1.5)])
+people.goals([(17, 0)])
+"""
+    with load(lines) as sim:
+        if locked:
+            sim.door.lock().result()
+        sim.step(5)
+        assert sim.door.data["openness"] < 0.1
+        for _ in range(20):
+            sim.step(60)
+            if (sim.people.data["positions"][:, 0] > 15.0).all():
+                break
+        through = sim.people.data["positions"][:, 0] > 14.2
+        assert through.all() != locked
+        assert through.any() != locked
+        assert (sim.door.data["openness"] == 0.0) == locked
+        assert sim.failures == ()

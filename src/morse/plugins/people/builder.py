@@ -11,6 +11,7 @@ from morse.assets.search import find_file
 from morse.builder.components.robot import Robot
 from morse.builder.errors import checks
 from morse.builder.names.frames import source_line
+from morse.plugins.people.errands import check_schedule
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ _MOST = 5000
 #: m^2 that a standing person needs: 6 people on 1 m^2
 _ROOM = 1.0 / 6.0
 _MODELS = ("social-force", "orca")
-_ENDS = ("leave", "stay", "repeat")
+_ENDS = ("leave", "stay", "repeat", "queue", "sit")
 #: m; an area is at most that far from the origin
 _FAR = 1e5
 
@@ -131,7 +132,7 @@ class Crowd(Robot):
         *,
         places: Iterable[Sequence[float]] | None = None,
         goals: Iterable[object] | None = None,
-        then: str = "stay",
+        then: str | Iterable[object] = "stay",
         wait: float = 0.0,
         over: float = 0.0,
     ) -> None:
@@ -194,12 +195,16 @@ class Crowd(Robot):
             before.setdefault(cell, []).append([x, y])
         return points
 
-    def goals(self, goals: Iterable[object], then: str = "stay", wait: float = 0.0) -> None:
+    def goals(self, goals: Iterable[object], then: str | Iterable[object] = "stay", wait: float = 0.0) -> None:
         """Set the goals of all people whose `start` has none; each person goes to one after the other.
 
         Args:
             goals: points (x, y), areas (lists of three or more points), or names of objects of the world.
-            then: after the last one: ``stay`` there, ``leave`` the world, or ``repeat`` from the first one.
+            then: after the last one: ``stay`` there, ``leave`` the world, or ``repeat`` from the first one. ``queue``:
+                the last goal is a counter, in front of which they stand in line; each takes ``wait`` seconds there,
+                goes back to where people begin, and leaves. ``sit``: the goals are seats; each person sits on one, for
+                ``wait`` seconds or for ever if it is 0, goes back and leaves. A list of ``(time, goals)`` or
+                ``(time, goals, then)`` is a schedule: they have other goals from these times, s, on.
             wait: s, at each goal.
 
         Raises:
@@ -245,15 +250,19 @@ def _listed(values: Any, what: str) -> list[Any]:
     return items
 
 
-def _plan(goals: Iterable[object], then: str, wait: float, what: str) -> dict[str, Any]:
+def _plan(goals: Iterable[object], then: str | Iterable[object], wait: float, what: str) -> dict[str, Any]:
     if isinstance(goals, str) or not hasattr(goals, "__iter__"):
         raise TypeError(f"{what}(goals) takes a list of points, areas or names, got {checks.shown(goals)}")
     found = [_goal(one, f"{what}(goals)") for one in goals]
     if not found:
         raise ValueError(f"{what}(goals) takes at least one goal")
-    end = checks.choice(then, _ENDS, f"{what}(then)")
     pause = checks.number(wait, f"{what}(wait)", minimum=0.0, maximum=1e6)
-    return {"goals": found, "then": end, "wait": pause}
+    if isinstance(then, str):
+        return {"goals": found, "then": checks.choice(then, _ENDS, f"{what}(then)"), "wait": pause}
+    if not hasattr(then, "__iter__"):
+        raise TypeError(f"{what}(then) takes {', '.join(_ENDS)} or a list of (time, goals), got {checks.shown(then)}")
+    later = check_schedule(then, what, lambda places, end: _plan(places, end, wait, what))
+    return {"goals": found, "then": "stay", "wait": pause, "later": later}
 
 
 def _goal(goal: object, what: str) -> object:

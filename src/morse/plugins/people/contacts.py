@@ -201,6 +201,8 @@ _IMPACT = 0.5
 _JUMP = 0.01
 #: m/s, at which people leave what they stand in
 _LEAVES = 1.0
+#: m, from which people open a door
+_REACHES_DOORS = 1.6
 #: m, height of what people step onto without noticing
 _FLAT = 0.05
 
@@ -217,6 +219,16 @@ class Touch(NamedTuple):
     since: float
     rest: float
     overlap: float
+
+
+def can_touch(touching: object) -> bool:
+    """Whether contacts of a state are possible."""
+    return isinstance(touching, dict) and all(
+        isinstance(one, tuple | list)
+        and len(one) == 3
+        and all(isinstance(value, float) and abs(value) < 1e12 for value in one)
+        for one in touching.values()
+    )
 
 
 class Surroundings:
@@ -301,6 +313,24 @@ class Surroundings:
     def _is_met(self, mover: Mover, height: float) -> bool:
         low, high = (height + part - self.floor for part in (mover.print.low, mover.print.high))
         return low < HEIGHT and high > _FLAT
+
+    def open_doors(self, walkers: Walkers) -> None:
+        """Let people open the doors to which they walk: robots with a service ``open`` and a field ``openness``."""
+        rows: NDArray[np.intp] | None = None
+        for robot in self.context.robots.values():
+            data = robot.local_data
+            call: Callable[[], object] | None = getattr(robot, "open", None)
+            if not callable(call) or data.get("openness", 1.0) == 1.0 or data.get("locked", True):
+                continue
+            if rows is None:
+                rows = np.flatnonzero(walkers.present & (walkers.wanted != 0.0).any(axis=1))
+            place = robot.bge_object.world_pose()[0]
+            if abs(place[2] - self.floor) > 1.0:
+                continue
+            apart = np.array([place[0], place[1]]) - walkers.position[rows]
+            towards = (apart * walkers.wanted[rows]).sum(axis=1)
+            if ((towards > 0.0) & ((apart * apart).sum(axis=1) < _REACHES_DOORS**2)).any():
+                call()
 
     def seen(self, count: int) -> Others:
         """Return what ``count`` people see besides each other."""

@@ -28,6 +28,8 @@ _WALK_RATIO = 0.0064 * 60.0
 _HALF_WIDTH, _LIFT = 0.09, 0.07
 #: m/s; slower ones stand, with their feet together
 _STANDS = 0.05
+#: share of the height of a body, of the hips of somebody who sits
+_SEAT = 0.27
 #: where the bodies of those are who have left, m below the ground
 _BELOW = 100.0
 
@@ -138,11 +140,11 @@ class Gait:
         self.heading = turned / np.sqrt((turned * turned).sum(axis=1))[:, None]
 
     def poses(
-        self, position: Floats, velocity: Floats, present: NDArray[np.bool_], floor: float
+        self, position: Floats, velocity: Floats, present: NDArray[np.bool_], floor: float, sits: NDArray[np.bool_]
     ) -> tuple[Floats, Floats]:
         """Return positions (N + 2 L, 3) and quaternions (N + 2 L, 4) of trunks, left legs and right legs.
 
-        L people have legs; the legs are in the order of these people.
+        L people have legs; the legs are in the order of these people. Who sits has the legs in front, on the ground.
         """
         yaw = _turned(self.heading[:, 0], self.heading[:, 1])
         hip = np.zeros(len(position))
@@ -159,12 +161,16 @@ class Gait:
         apart = feet[each, supporting] - hips[each, supporting]
         height = np.sqrt(np.maximum(leg * leg - (apart * apart).sum(axis=1), 0.25 * leg * leg))
         height = np.where(self.stands[walkers], leg, height)
+        seated = sits[walkers]
+        height = np.where(seated, _SEAT * self.height[walkers], height)
+        reach = np.sqrt(leg * leg - height * height) * seated
         hip[walkers] = height - leg
         speed = np.sqrt((velocity[walkers] * velocity[walkers]).sum(axis=1))
         length = self.stride[walkers]
         for side in (0, 1):
             foot, lift = feet[:, side].copy(), np.zeros(len(walkers))
-            swings = (supporting != side) & ~self.stands[walkers]
+            foot[seated] = (hips[:, side] + reach[:, None] * self.heading[walkers])[seated]
+            swings = (supporting != side) & ~self.stands[walkers] & ~seated
             if swings.any():
                 rows = np.flatnonzero(swings)
                 rest = (1.0 - share[rows]) * length[rows]

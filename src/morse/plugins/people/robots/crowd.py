@@ -17,7 +17,8 @@ from morse.core.services import service
 from morse.core.state import StateError
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.people.contacts import Places, Surroundings
+from morse.plugins.people.contacts import Places, Surroundings, can_touch
+from morse.plugins.people.errands import HERE, NEVER, Queue, line_back, phases, sit_down, steps_to
 from morse.plugins.people.gait import Gait
 from morse.plugins.people.recorded import FASTEST, Tracks, checked
 from morse.plugins.people.walking import Orca, SocialForce, Walkers, length
@@ -34,9 +35,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: what a person does
-WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT, RECORDED = range(9)
-_WORDS = ("walks", "stopped", "sent", "waits", "arrived", "gone", "outside", "left out", "recorded")
-_STANDING = (STOPPED, WAITS, ARRIVED, LEFT_OUT)
+WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT, RECORDED, QUEUES, SITS = range(11)
+_WORDS = ("walks", "stopped", "sent", "waits", "arrived", "gone", "outside", "left out", "recorded", "queues", "sits")
 _ABSENT = (GONE, OUTSIDE, LEFT_OUT)
 #: m, around starts and goals, in which ways are searched
 _AROUND = 12.0
@@ -71,16 +71,6 @@ def _json(crowd: Crowd, name: str, text: str, kind: type) -> Any:
     if not isinstance(value, kind):
         raise MorseError(f"{crowd.name()}: the property {name} is no {kind.__name__}")
     return value
-
-
-def _can_touch(touching: object) -> bool:
-    """Whether contacts of a state are possible."""
-    return isinstance(touching, dict) and all(
-        isinstance(one, tuple | list)
-        and len(one) == 3
-        and all(isinstance(value, float) and abs(value) < 1e12 for value in one)
-        for one in touching.values()
-    )
 
 
 class Crowd(Robot):
@@ -182,6 +172,7 @@ class Crowd(Robot):
         self.mode = np.full(count, WALKS, dtype=np.intp)
         self.until = np.zeros(count)
         self.target = np.zeros((count, 2))
+        self.rank = np.zeros(count, dtype=np.intp)
         self._ways: dict[bytes, Way] = {}
         rides = np.arange(count) < int(self._rides)
         radius = np.where(rides, np.maximum(0.38, self._radius), self._radius * np.minimum(heights / 1.7, 1.0) ** 0.5)
@@ -220,7 +211,7 @@ class Crowd(Robot):
         for flow in flows:
             if flow["goals"] is None:
                 flow.update(default)
-        return flows
+        return phases(flows)
 
     def _survey(self, radius: float) -> Ground:
         """Return the ground around the starts and goals, with the walls of the scene."""
@@ -299,6 +290,8 @@ class Crowd(Robot):
             begin += len(rows)
             self.flow[rows] = number
             flow["ways"] = self._ways_of(flow)
+            if flow["then"] == "sit":
+                self.stage[rows] = np.arange(len(rows)) % len(flow["goals"])
             self._make_groups(rows)
             area = np.array(flow["area"])
             if flow["over"]:
@@ -336,6 +329,17 @@ class Crowd(Robot):
             if way is None:
                 raise MorseError(f"{self.name()}: nobody can stand at the goal {goal!r:.80}: it is within a wall")
             ways.append(way)
+        if flow["then"] == "queue":
+            counter = np.array(self._places(flow)[-1]).reshape(-1, 2).mean(axis=0)
+            spots = line_back(self.ground, ways[-1], np.array(flow["area"]).mean(axis=0), counter, self._count)
+            flow["queue"] = Queue(spots, float(flow["wait"]))
+        flow["seats"] = [np.array(place).reshape(-1, 2).mean(axis=0) for place in self._places(flow)]
+        if flow["then"] in ("queue", "sit"):
+            area = np.array(flow["area"])
+            home = self._way_to(area.mean(axis=0).tolist() if flow["exact"] else flow["area"])
+            if home is None:
+                raise MorseError(f"{self.name()}: nobody can stand in {flow['area']!r:.80}: there are walls")
+            ways.append(home)
         return ways
 
     def _make_groups(self, rows: NDArray[np.intp]) -> None:
@@ -425,9 +429,14 @@ class Crowd(Robot):
             self._enter()
             self._advance()
             self._look_ahead()
+            self._around.open_doors(walkers)
             others = self._around.seen(self._count)
             self._touch()
+            before = walkers.position
             walkers.step(self._seconds, self._law, others)
+            sits = np.flatnonzero(self.mode == SITS)
+            walkers.position[sits] = sit_down(before[sits], self.target[sits], self._seconds)
+            walkers.velocity[sits] = 0.0
         self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted)
         self._show()
 
@@ -448,33 +457,73 @@ class Crowd(Robot):
                 self.gait.stand(np.array([row]), self.walkers.position)
 
     def _advance(self) -> None:
-        """Let those who have arrived wait, go on, or leave."""
-        now = self.clock.time
+        """Let those who have arrived wait, stand in line, sit, go on, or leave."""
+        now, walkers = self.clock.time, self.walkers
         for number, flow in enumerate(self._flows):
-            if not flow["ways"]:
-                continue
             mine = self.flow == number
+            if flow.get("next") and now >= flow["next"][0] and mine.any():
+                self._change(np.flatnonzero(mine), flow["next"][1])
+                continue
+            count = len(flow["ways"])
             for stage, way in enumerate(flow["ways"]):
                 rows = np.flatnonzero(mine & (self.mode == WALKS) & (self.stage == stage))
-                if not len(rows):
+                is_counter = flow["then"] == "queue" and stage == count - 2
+                if is_counter:
+                    self._queue(flow["queue"], rows, self.ground.time(way, walkers.position[rows]), mine)
+                is_seat = flow["then"] == "sit" and stage < count - 1
+                if is_counter or not (len(rows) or is_seat):
                     continue
-                there = mine & (self.stage == stage) & np.isin(self.mode, (WAITS, ARRIVED))
-                left = self.ground.time(way, self.walkers.position[rows])
+                there = mine & (self.stage == stage) & np.isin(self.mode, (WAITS, ARRIVED, SITS))
+                left = self.ground.time(way, walkers.position[rows])
                 # those who come and those who are there have room side by side: 2.6 people on a square metre
-                crowded = int(there.sum()) + int((left < _CROWDED).sum())
-                rows = rows[left < _ARRIVES + 0.35 * math.sqrt(max(crowded - 1, 0))]
+                crowded = int(there.sum()) + (0 if is_seat else int((left < _CROWDED).sum()) - 1)
+                rows = rows[left < _ARRIVES + 0.35 * math.sqrt(max(crowded, 0))]
                 self.mode[rows] = WAITS
-                self.until[rows] = now + flow["wait"]
-            rows = np.flatnonzero(mine & (self.mode == WAITS) & (self.until <= now))
-            last = self.stage[rows] + 1 >= len(flow["ways"])
+                self.until[rows] = now + (0.0 if flow["then"] in ("queue", "sit") else flow["wait"])
+                if is_seat:
+                    # who finds the seat taken stands beside it until it is free
+                    self.mode[rows], self.until[rows] = ARRIVED, NEVER
+                    waiting = np.flatnonzero(mine & (self.mode == ARRIVED) & (self.stage == stage))[:1]
+                    if not (mine & (self.stage == stage) & (self.mode == SITS)).any():
+                        self.mode[waiting], self.target[waiting] = SITS, flow["seats"][stage]
+                        self.until[waiting] = now + flow["wait"] if flow["wait"] > 0.0 else NEVER
+            rows = np.flatnonzero(mine & np.isin(self.mode, (WAITS, SITS)) & (self.until <= now))
+            last = self.stage[rows] + 1 >= count
             self.mode[rows[~last]] = WALKS
-            self.stage[rows[~last]] += 1
+            self.stage[rows[~last]] = count - 1 if flow["then"] == "sit" else self.stage[rows[~last]] + 1
             ends = rows[last]
             if flow["then"] == "repeat":
                 self.mode[ends], self.stage[ends] = WALKS, 0
             else:
-                self.mode[ends] = GONE if flow["then"] == "leave" else ARRIVED
+                self.mode[ends] = ARRIVED if flow["then"] == "stay" else GONE
         self.walkers.present = ~np.isin(self.mode, _ABSENT)
+
+    def _change(self, rows: NDArray[np.intp], flow: int) -> None:
+        """Let people have the goals of another flow, the next one of their schedule."""
+        self.flow[rows] = flow
+        seats = len(self._flows[flow]["goals"])
+        self.stage[rows] = np.arange(len(rows)) % seats if self._flows[flow]["then"] == "sit" else 0
+        free = rows[np.isin(self.mode[rows], (WAITS, ARRIVED, QUEUES, SITS))]
+        self.mode[free] = WALKS
+
+    def _queue(self, queue: Queue, rows: NDArray[np.intp], left: Floats, mine: NDArray[np.bool_]) -> None:
+        """Let people join a line, and move up in it; serve the first one."""
+        now, line = self.clock.time, np.flatnonzero(mine & (self.mode == QUEUES))
+        joining = queue.joining(rows, left, len(line))
+        if len(joining):
+            begin = int(self.rank[line].max()) + 1 if len(line) else 0
+            self.rank[joining], self.mode[joining] = begin + np.arange(len(joining)), QUEUES
+            self.until[joining] = NEVER
+            line = np.flatnonzero(mine & (self.mode == QUEUES))
+        if not len(line):
+            return
+        self.target[line] = queue.places(self.rank[line])
+        first = int(line[self.rank[line].argmin()])
+        if self.until[first] <= now:
+            self.mode[first] = WALKS
+            self.stage[first] += 1
+        elif self.until[first] == NEVER and length((self.walkers.position - self.target)[[first]])[0] < _ARRIVES:
+            self.until[first] = now + queue.wait
 
     def _look_ahead(self) -> None:
         """Set where everybody wants to go."""
@@ -485,6 +534,14 @@ class Crowd(Robot):
                 rows = np.flatnonzero((self.flow == number) & (self.mode == WALKS) & (self.stage == stage))
                 if len(rows):
                     wanted[rows] = self.ground.heading(way, position[rows])
+        queues, sits = np.flatnonzero(self.mode == QUEUES), np.flatnonzero(self.mode == SITS)
+        wanted[queues] = steps_to(position[queues], self.target[queues])
+        # seated people look to where they came from
+        for row in sits.tolist():
+            free = self.ground.nearest_free(self.target[row], _BESIDE)
+            away = np.zeros(2) if free is None else free - self.target[row]
+            far = math.hypot(*away.tolist())
+            wanted[row] = away / far if far > self.ground.cell else 0.0
         sent = np.flatnonzero(self.mode == SENT)
         for target in np.unique(self.target[sent], axis=0):
             rows = sent[(self.target[sent] == target).all(axis=1)]
@@ -515,7 +572,9 @@ class Crowd(Robot):
     def _show(self) -> None:
         """Set the bodies and the data."""
         walkers, data = self.walkers, self.local_data
-        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, self._floor))
+        here = length(walkers.position - self.target) < HERE
+        sits = (self.mode == SITS) & here
+        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, self._floor, sits))
         changed = np.flatnonzero(self._shown != walkers.present)
         if len(changed):
             legged = np.cumsum(~self.gait.rides) - 1
@@ -677,7 +736,7 @@ class Crowd(Robot):
                 for name in ("position", "velocity", "free_speed", "group", "present", "planned")
             },
             **{name: getattr(gait, name) for name in ("phase", "stride", "feet", "heading", "stands")},
-            **{name: getattr(self, name) for name in ("flow", "stage", "mode", "until", "target", "alert")},
+            **{name: getattr(self, name) for name in ("flow", "stage", "mode", "until", "target", "rank", "alert")},
         }
 
     def get_state(self) -> StateData:
@@ -702,7 +761,7 @@ class Crowd(Robot):
             fits = isinstance(given, np.ndarray) and given.dtype == present.dtype and given.shape == present.shape
             if not fits or not np.isfinite(given).all():
                 raise StateError(f"the people of {self.name()} have another '{name}'")
-        if not self._can_be(people) or not _can_touch(state.get("_touching", {})):
+        if not self._can_be(people) or not can_touch(state.get("_touching", {})):
             raise StateError(f"the people of {self.name()} are where, or as, nobody can be")
         super().set_state(state)
         for name in arrays:
@@ -726,6 +785,7 @@ class Crowd(Robot):
             and ((flow >= -1) & (flow < len(self._flows))).all()
             and ((stage >= 0) & (stage < stages[flow])).all()
             and ((group >= -1) & (group < self._count)).all()
+            and (np.abs(people["rank"]) < 1e9).all()
             and (np.abs((heading * heading).sum(axis=1) - 1.0) < 1e-6).all()
             and (np.abs(people["velocity"]) < 1e3).all()
             and ((people["phase"] >= 0.0) & (people["phase"] < 1e9)).all()
