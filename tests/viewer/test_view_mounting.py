@@ -304,3 +304,16 @@ def test_a_sensor_is_dropped_on_a_robot_and_moved_by_its_handles(script: Path, o
             f"Math.abs(morse.stage.world.find('robot.imu').frame.matrixWorld.elements[14] - {before[2] + 0.5}) < 0.02"
         )
         assert page.evaluate("morse.panels.mover.node.value.name") == "robot.imu"
+        # the view from on board is that of what is selected: of a camera its own
+        page.keyboard.press("Escape")
+        for name, ahead, up in (("robot.camera", 2, -1), ("robot.imu", 0, 2)):
+            page.evaluate(f"morse.components.selected.set('{name}')")
+            page.keyboard.press("2")
+            place, turn = pose_of(simulation, name)
+            x, y, z = turn[:, ahead]
+            shown(f"morse.follow.mode.value === 'first' && morse.follow.node.name === '{name}'")
+            shown(f"morse.stage.view.ahead.distanceTo({{x: {x}, y: {y}, z: {z}}}) < 0.01")
+            x, y, z = place + 0.12 * turn[:, ahead]
+            shown(f"morse.stage.view.position.distanceTo({{x: {x}, y: {y}, z: {z}}}) < 0.01")
+            above = -turn[:, 1] if up < 0 else turn[:, up]
+            assert np.dot(page.evaluate("morse.stage.view.above.toArray()"), above) > 0.99

@@ -1,5 +1,6 @@
 import type { Layers } from "../layers/layers";
 import type { Components } from "../model/components";
+import { isCamera } from "../model/components";
 import { h } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { closeWhenLeft } from "../ui/popup";
@@ -63,9 +64,11 @@ export class ViewMenu {
 
   /** Follow the selected object, or a robot if none is selected. */
   start(mode: FollowMode): void {
-    const node = this.node();
+    const mounted = mode === "first" ? this.mounted() : null;
+    const node = mounted ?? this.node();
+    const component = this.components.find(mounted?.name ?? null);
     if (mode === "free" || !node) this.follow.release();
-    else this.follow.start(mode, node);
+    else this.follow.start(mode, node, component !== null && component !== undefined && isCamera(component));
   }
 
   /** The menu makes room for the points to click. */
@@ -78,6 +81,12 @@ export class ViewMenu {
     const node = this.node();
     this.follow.release();
     if (node) this.follow.frameNode(node, preset);
+  }
+
+  /** The selected sensor or actuator, which has a view of its own. */
+  private mounted(): WorldNode | null {
+    const node = this.stage.world?.find(this.components.selected.value ?? "") ?? null;
+    return node && ["sensor", "actuator"].includes(node.description.kind) ? node : null;
   }
 
   private node(): WorldNode | null {

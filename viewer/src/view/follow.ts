@@ -1,4 +1,4 @@
-import { Quaternion, Vector3 } from "three";
+import { Matrix4, Quaternion, Vector3 } from "three";
 import { Signal } from "../ui/signal";
 import type { WorldNode } from "../world/node";
 import type { World } from "../world/world";
@@ -25,6 +25,11 @@ const MOVED = 0.05;
 const PLAN = 6;
 const MARGIN = 1.3;
 const PAUSE = 100;
+/** The view from a component is so far before its origin, m: its own housing does not hide the world. */
+const BEFORE_LENS = 0.12;
+/** From the axes of the view, which looks along -Z with +Y up, to those of a component: X ahead and Z up; of a camera Z ahead and Y down. */
+const OF_PART = new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(new Vector3(0, -1, 0), new Vector3(0, 0, 1), new Vector3(-1, 0, 0)));
+const OF_CAMERA = new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(new Vector3(1, 0, 0), new Vector3(0, -1, 0), new Vector3(0, 0, -1)));
 export type Preset = keyof typeof PRESETS;
 
 /** Lets the camera follow a node, or moves it to a viewpoint. */
@@ -40,6 +45,8 @@ export class Follow {
   /** from the followed node to the camera when it began to follow, m */
   private readonly offset = new Vector3();
   private settled = false;
+  /** whether the node is a camera that a robot carries */
+  private isCamera = false;
   /** where the camera would be without walls */
   private readonly wanted = new Vector3();
   /** the share of the way from the node to that place at which the camera is, and which it is to reach */
@@ -60,8 +67,9 @@ export class Follow {
     this.mode.set("free");
   }
 
-  start(mode: FollowMode, node: WorldNode): void {
+  start(mode: FollowMode, node: WorldNode, isCamera = false): void {
     this.node = node;
+    this.isCamera = isCamera;
     this.offset.copy(this.stage.view.position).sub(node.frame.getWorldPosition(this.place));
     this.settled = false;
     this.sight[0].setScalar(Infinity);
@@ -208,6 +216,12 @@ export class Follow {
   }
 
   private ride(radius: number): void {
+    if (["sensor", "actuator"].includes(this.node?.description.kind ?? "")) {
+      this.turn.multiply(this.isCamera ? OF_CAMERA : OF_PART);
+      this.stage.view.position.copy(this.place).addScaledVector(new Vector3(0, 0, -1).applyQuaternion(this.turn), BEFORE_LENS);
+      this.stage.view.setQuaternion(this.turn);
+      return;
+    }
     const ahead = new Vector3(1, 0, 0).applyQuaternion(this.turn);
     const { view } = this.stage;
     view.position.copy(this.place).addScaledVector(ahead, radius * 0.6).add(new Vector3(0, 0, radius * 0.5));

@@ -23,7 +23,7 @@ mat.location = (-4.0, 0.0, 0.005)
 mat.scale = (1.0, 1.0, 0.005)
 mat.set_color(0.1, 0.6, 0.2)
 
-env = Environment("empty")
+env = Environment("indoors-1/boxes")
 env.set_camera_location([0.0, -9.0, 6.0])
 env.set_camera_rotation([1.0, 0.0, 0.0])
 env.set_camera_focal_length(34)

@@ -23,7 +23,7 @@ ball.location = (8.0, 2.5, 0.6)
 ball.scale = (0.6, 0.6, 0.6)
 ball.set_color(0.9, 0.02, 0.02)
 
-env = Environment("empty")
+env = Environment("indoors-1/boxes")
 env.set_camera_location([-4.0, -4.0, 3.5])
 env.set_camera_rotation([1.2, 0.0, -0.9])
 env.set_camera_focal_length(34)

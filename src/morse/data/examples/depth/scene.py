@@ -16,7 +16,7 @@ for name, y in (("near", 0.6), ("far", -0.9)):
     crate.scale = (0.5, 0.5, 0.5)
     crate.set_color(0.7, 0.5, 0.3)
 
-env = Environment("empty")
-env.set_camera_location([-2.5, -3.5, 2.5])
-env.set_camera_rotation([1.25, 0.0, -0.75])
+env = Environment("indoors-1/warehouse")
+env.set_camera_location([-2.4, -1.7, 2.2])
+env.set_camera_rotation([1.25, 0.0, -1.05])
 env.show(images=[kinect], overlays=["frustums"])

@@ -23,7 +23,7 @@ box.name = "tape"
 box.setgraspable()
 box.translate(2.0, 0.0, 0.05)
 
-env = Environment("empty")
+env = Environment("indoors-1/indoor-1")
 env.set_camera_location([2.0, -4.5, 2.2])
 env.set_camera_rotation([1.2, 0.0, 0.0])
 env.show(plots=["robot.pose.x"], overlays=["trails"])

@@ -23,7 +23,7 @@ cup.name = "cup"
 cup.setgraspable()
 cup.translate(x=2.46, y=-0.45, z=0.76)
 
-env = Environment("empty")
+env = Environment("indoors-1/indoor-1")
 env.set_camera_location([4.6, -2.6, 2.0])
 env.set_camera_rotation([1.25, 0.0, 0.75])
 env.set_camera_focal_length(28)

@@ -15,7 +15,7 @@ robot.append(pose)
 
 robot.add_default_interface("socket")
 
-env = Environment("empty")
+env = Environment("indoors-1/boxes")
 env.set_seed(4)
 env.set_camera_location([3.0, -7.0, 6.0])
 env.set_camera_rotation([0.9, 0.0, 0.3])

@@ -20,7 +20,7 @@ walker.append(pose)
 
 walker.add_default_interface("socket")
 
-env = Environment("empty")
+env = Environment("indoors-1/boxes")
 env.set_camera_location([1.9, -1.1, 0.7])
 env.set_camera_rotation([1.3, 0.0, 0.7])
 env.show(plots=["walker.pose.x"], follow=walker)

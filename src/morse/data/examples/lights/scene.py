@@ -21,7 +21,7 @@ robot.append(pose)
 
 robot.add_default_interface("socket")
 
-env = Environment("empty")
+env = Environment("indoors-1/warehouse")
 env.set_camera_location([-3.0, -1.2, 1.8])
 env.set_camera_rotation([1.35, 0.0, -1.15])
 env.show(follow=robot)

@@ -3,6 +3,7 @@
 from morse.builder import *
 
 robot = ATRV()
+robot.translate(z=0.15)  # the meadow is uneven
 
 motion = MotionVW()
 robot.append(motion)
@@ -21,7 +22,7 @@ robot.append(sea)
 
 robot.add_default_interface("socket")
 
-env = Environment("empty")
+env = Environment("land-1/trees")
 env.set_seed(11)
 env.set_camera_location([4.0, -6.0, 5.0])
 env.set_camera_rotation([0.95, 0.0, 0.2])

@@ -25,7 +25,7 @@ other.append(pose)
 
 other.add_default_interface("socket")
 
-env = Environment("empty")
+env = Environment("indoors-1/indoor-1")
 env.set_camera_location([-4.0, -3.0, 3.5])
 env.set_camera_rotation([1.2, 0.0, -0.9])
 env.set_camera_focal_length(34)

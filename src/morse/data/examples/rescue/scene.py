@@ -3,6 +3,7 @@
 from morse.builder import *
 
 robot = ATRV()
+robot.translate(z=0.15)  # the meadow is uneven
 
 goal = Waypoint()
 goal.properties(ObstacleAvoidance=False)
@@ -19,7 +20,7 @@ for number, (x, y) in enumerate(((5.0, 2.0), (9.0, -1.5))):
     victim = Victim("victim%d" % (number + 1))
     victim.translate(x, y, 0.0)
 
-env = Environment("empty")
+env = Environment("land-1/trees")
 env.set_camera_location([-3.0, -5.0, 5.0])
 env.set_camera_rotation([1.05, 0.0, -0.8])
 env.set_camera_focal_length(34)

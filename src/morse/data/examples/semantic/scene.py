@@ -1,4 +1,4 @@
-"""Semantic cameras: a robot looks around in a kitchen, and lists the visible objects by name."""
+"""Semantic cameras: a robot looks around in a room, and lists the visible objects by name."""
 
 from morse.builder import *
 
@@ -23,7 +23,7 @@ for number, (name, kind) in enumerate((("Jam", "Food"), ("Milk", "Food"), ("Knif
     thing.properties(Object=True, Type=kind, Description="on table %d" % (number + 1))
     thing.location = (table.location[0], table.location[1], 0.8)
 
-env = Environment("empty")
+env = Environment("laas/grande_salle")
 env.set_camera_location([-4.0, -4.0, 3.5])
 env.set_camera_rotation([1.1, 0.0, -0.8])
 env.show(images=[camera], select=camera)

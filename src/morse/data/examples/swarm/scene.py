@@ -17,7 +17,7 @@ for number in range(9):
     robot.append(pose)
     robot.add_default_interface("socket")
 
-env = Environment("empty")
+env = Environment("land-1/trees")
 env.set_camera_location([0.0, -11.0, 10.0])
 env.set_camera_rotation([0.85, 0.0, 0.0])
 env.set_camera_focal_length(34)

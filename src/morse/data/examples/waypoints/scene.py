@@ -15,7 +15,7 @@ robot.add_default_interface("socket")
 crate = PassiveObject("props/crates", "transport_box")
 crate.translate(4.0, 0.0, 0.0)
 
-env = Environment("empty")
+env = Environment("indoors-1/indoor-1")
 env.set_camera_location([3.0, -9.0, 7.0])
 env.set_camera_rotation([0.9, 0.0, 0.0])
 env.set_camera_focal_length(34)
