@@ -104,7 +104,7 @@ class MjrContext:
             rgb.reshape(*shape, 3)[:] = self._colors[::-1]
         if depth is not None:
             near, far = view.near - view.shift, view.far - view.shift
-            metres = self._artist.surfaces(scene, geoms, view)[0].astype(np.float64)
+            metres = self._artist.depths(scene, geoms, view).astype(np.float64)
             share = (far - metres) / (far - near)
             if not view.shift:
                 share *= near / metres

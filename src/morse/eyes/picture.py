@@ -27,7 +27,7 @@ from morse.eyes.geoms import (
 from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_scenes
 from morse.eyes.store import SKY, store_of
 from morse.kernel.drawing.arrays import CAMERA
-from morse.kernel.drawing.composing import Composition
+from morse.kernel.drawing.composing import Composition, depths_of, objects_of
 from morse.kernel.drawing.native import NativeDrawer, drawer
 from morse.mathutils.rotations import cross
 from morse.rendering.meshes import spheres_around
@@ -169,23 +169,27 @@ class Artist:
         #: what the last depths and ids depend on, and these: the picture of colours has them, too
         self._surface: tuple[object, NDArray[np.float32], NDArray[np.int32]] | None = None
 
-    def surfaces(self, scene: Any, geoms: Geoms, view: View) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        """The depth (H, W), m, and the ids (H, W, 2), id and type, of all geoms as opaque ones."""
-        depth, shown, instances = self._surfaces(scene, geoms, view)
-        # pairs of numbers, read as one
-        table = np.concatenate([instances.ids, np.full((1, 2), -1, np.int32)]).view(np.int64)[:, 0]
-        return depth, table[shown].view(np.int32).reshape(*shown.shape, 2)
+    def depths(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.float32]:
+        """The depth (H, W), m, of all geoms as opaque ones."""
+        depths, _, _ = self._surfaces(scene, geoms, view)
+        # the background is at the far plane
+        return depths_of(depths.reshape(view.height, view.width), view.far, view.shift)
+
+    def objects(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.int32]:
+        """The ids (H, W, 2), id and type of the objects, of all geoms as opaque ones."""
+        _, shown, instances = self._surfaces(scene, geoms, view)
+        return objects_of(shown.reshape(view.height, view.width), instances.ids)
 
     def segments(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.int32]:
         """The numbers ``segid`` of geoms (H, W), -1 for none."""
         _, shown, instances = self._surfaces(scene, geoms, view)
         table = np.append(geoms.now()["segid"][instances.geoms], -1).astype(np.int32)
-        return np.asarray(table[shown])
+        return np.asarray(table[shown.reshape(view.height, view.width)])
 
     def _surfaces(
         self, scene: Any, geoms: Geoms, view: View
     ) -> tuple[NDArray[np.float32], NDArray[np.int32], Instances]:
-        """The depth (H, W), and the instances (H, W), -1 for none."""
+        """The depths (H W,), 0 for none, and the instances (H W,), -1 for none."""
         g = geoms.now()
         instances, draw = self._arranged(g, scene)
         key = self._key(scene, g, view)
@@ -194,11 +198,7 @@ class Artist:
             draw.arrange(instances.parts, maps=instances.maps)
             pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1)
             self._surface = key, pictures.depth, pictures.ids
-        shape = view.height, view.width
-        depth, shown = self._surface[1].reshape(shape), self._surface[2].reshape(shape)
-        # the background is at the far plane
-        depth = np.where(depth > 0.0, depth, np.float32(view.far)) - np.float32(view.shift)
-        return depth, shown, instances
+        return *self._surface[1:], instances
 
     def colors(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.uint8]:
         """The colours (H, W, 3) of a scene; geoms that are not finite are not drawn."""

@@ -205,8 +205,8 @@ class Renderer:
             if self._mode == "rgb":
                 picture: NDArray[Any] = artist.colors(self._scene, self._geoms, view)
             else:
-                depth, ids = artist.surfaces(self._scene, self._geoms, view)
-                picture = depth if self._mode == "depth" else ids
+                draw = artist.depths if self._mode == "depth" else artist.objects
+                picture = draw(self._scene, self._geoms, view)
         if out is None:
             return picture
         np.copyto(out, picture, casting="unsafe")

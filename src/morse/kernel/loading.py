@@ -14,7 +14,7 @@ from morse.system import OF_MACHINE, variables
 logger = logging.getLogger(__name__)
 
 #: the version of structures and signatures that Python expects; see ``c/processor.c``
-INTERFACE = 32
+INTERFACE = 33
 VARIABLE = "MORSE_KERNEL"
 _SOURCES = Path(__file__).parent / "c"
 

@@ -1,4 +1,4 @@
-// Adds reflections and translucent surfaces to pictures; numbers are codes, 0 to 255.
+// Adds reflections and translucent surfaces to pictures; numbers are codes, 0 to 255. Depths and objects of pictures.
 #include <stdint.h>
 
 #include "export.h"
@@ -21,6 +21,8 @@ MORSE_EXPORT int64_t morse_draw_extent(const int32_t *ids, int32_t width, int32_
 MORSE_EXPORT void morse_draw_reflect(const Overlay *o);
 MORSE_EXPORT void morse_draw_over(const Overlay *o);
 MORSE_EXPORT void morse_draw_codes(const uint8_t (*first)[4], const float (*total)[3], int64_t count, uint8_t (*to)[3]);
+MORSE_EXPORT void morse_draw_depths(const float *depths, int64_t count, float background, float shift, float *to);
+MORSE_EXPORT void morse_draw_objects(const int32_t *ids, int64_t count, const int32_t (*objects)[2], int32_t (*to)[2]);
 
 static inline int is_chosen(const uint8_t *chosen, int32_t id) { return id >= 0 && chosen[id]; }
 
@@ -86,4 +88,15 @@ void morse_draw_over(const Overlay *o) {
 void morse_draw_codes(const uint8_t (*first)[4], const float (*total)[3], int64_t count, uint8_t (*to)[3]) {
     for (int64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++) to[i][k] = total ? code_of(total[i][k]) : first[i][k];
+}
+
+// Depths from a plane `shift` before the camera; pixels without a surface have that of the background.
+void morse_draw_depths(const float *depths, int64_t count, float background, float shift, float *to) {
+    for (int64_t i = 0; i < count; i++) to[i] = (depths[i] > 0.0f ? depths[i] : background) - shift;
+}
+
+// The objects that instances belong to, -1 and -1 for nothing.
+void morse_draw_objects(const int32_t *ids, int64_t count, const int32_t (*objects)[2], int32_t (*to)[2]) {
+    for (int64_t i = 0; i < count; i++)
+        for (int k = 0; k < 2; k++) to[i][k] = ids[i] < 0 ? -1 : objects[ids[i]][k];
 }

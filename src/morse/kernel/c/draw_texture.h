@@ -50,7 +50,7 @@ static inline V3 bilinear(const Frame *f, V3 total, I8 first, I8 width, I8 heigh
     return add_pairs(f, total, column + ((iy + 1) & (height - 1)) * stride, top - tr, tr);
 }
 
-// The textures of eight samples.
+// The textures of eight samples; of the first one only, if all are the same.
 typedef struct {
     const Texture *of[LANES];
     I8 width, height, last;  // the size in texels, and the last level
@@ -67,11 +67,11 @@ static inline float share_of(const Texture *t) {
 static inline Textures textures_of(const Frame *f, I8 who) {
     Textures t;
     t.same = !any(who != splat_int(who[0]));
-    EACH_LANE(j) t.of[j] = f->textures + (who[j] < 0 ? 0 : who[j]);
-    const Texture *one = t.of[0];
+    const Texture *one = t.of[0] = f->textures + (who[0] < 0 ? 0 : who[0]);
     t.width = splat_int(one->width), t.height = splat_int(one->height), t.last = splat_int(one->levels - 1);
-    if (!t.same)
-        EACH_LANE(j) t.width[j] = t.of[j]->width, t.height[j] = t.of[j]->height, t.last[j] = t.of[j]->levels - 1;
+    if (t.same) return t;
+    EACH_LANE(j) t.of[j] = f->textures + (who[j] < 0 ? 0 : who[j]);
+    EACH_LANE(j) t.width[j] = t.of[j]->width, t.height[j] = t.of[j]->height, t.last[j] = t.of[j]->levels - 1;
     return t;
 }
 
@@ -79,7 +79,7 @@ static inline Textures textures_of(const Frame *f, I8 who) {
 static inline I8 first_of(const Textures *t, I8 level) {
     if (t->same && !any(level != splat_int(level[0]))) return splat_int(t->of[0]->first[level[0]]);
     I8 first;
-    EACH_LANE(j) first[j] = t->of[j]->first[level[j]];
+    EACH_LANE(j) first[j] = t->of[t->same ? 0 : j]->first[level[j]];
     return first;
 }
 
@@ -102,18 +102,23 @@ static __attribute__((noinline)) V3 add_level(const Frame *f, const Textures *t,
     return total;
 }
 
+// One sample of a level of the textures.
+static inline V3 look_up_level(const Frame *f, const Textures *t, V3 total, I8 level, const Looks *l, F8 weight) {
+    const I8 one_texel = splat_int(1);
+    return bilinear(f, total, first_of(t, level), greater_int(t->width >> level, one_texel),
+                    greater_int(t->height >> level, one_texel), l->u, l->v, weight);
+}
+
 // Trilinear, as OpenGL does it without anisotropic filters.
-static inline V3 trilinear(const Frame *f, const Textures *t, const Looks *l, F8 longer) {
+static __attribute__((noinline)) V3 trilinear(const Frame *f, const Textures *t, const Looks *l, F8 longer) {
     const F8 one = splat(1);
     const I8 bits = bits_of(greater(root(longer), one)), level = (bits >> 23) - 127, last = level >= t->last;
     const F8 size = from_bits((bits & 0x7fffff) | 0x3f800000);
     // the logarithm of the size, nearly
     const F8 blend = pick(last, splat(0), (size - 1) * (1.3465f - 0.3465f * (size - 1)));
-    const Across across = {l->u, l->v, l->ux, l->vx};
     const I8 low = pick_int(last, t->last, level), high = pick_int(last, t->last, level + 1);
-    V3 total = add_level(f, t, grey(0), low, &across, one, one, (1 - blend) * SQUARED_TEXEL);
-    if (any(blend > splat(0))) total = add_level(f, t, total, high, &across, one, one, blend * SQUARED_TEXEL);
-    return total;
+    const V3 total = look_up_level(f, t, grey(0), low, l, (1 - blend) * SQUARED_TEXEL);
+    return any(blend > splat(0)) ? look_up_level(f, t, total, high, l, blend * SQUARED_TEXEL) : total;
 }
 
 // Trilinear, with up to four samples along the longer side of a pixel's footprint: multiplies the colours of eight
@@ -129,7 +134,8 @@ static inline void add_textures(const Frame *f, Looks *l) {
     const F8 longer = greater(px, py);
     if (f->classic) {
         F8 shares;
-        EACH_LANE(j) shares[j] = share_of(t.of[j]);
+        shares = splat(share_of(t.of[0]));
+        if (!t.same) EACH_LANE(j) shares[j] = share_of(t.of[j]);
         const V3 total = trilinear(f, &t, l, longer * shares * shares);
         l->r *= total.x, l->g *= total.y * GREEN_SCALE, l->b *= total.z * BLUE_SCALE;
         return;

@@ -4,7 +4,7 @@
 #include "export.h"
 
 // Increased with every change of a structure or signature: Python refuses a library of another version.
-#define INTERFACE 32
+#define INTERFACE 33
 
 MORSE_EXPORT int32_t morse_interface(void);
 MORSE_EXPORT int32_t morse_processor_level(void);

@@ -30,6 +30,22 @@ class _Overlay(ctypes.Structure):
     )
 
 
+def depths_of(depths: NDArray[np.float32], background: float, shift: float) -> NDArray[np.float32]:
+    """Return the depths less `shift`, m; pixels without a surface have that of the background."""
+    to = np.empty_like(depths)
+    library().morse_draw_depths(
+        pointer(depths), c_int64(depths.size), c_float(background), c_float(shift), pointer(to)
+    )
+    return to
+
+
+def objects_of(ids: NDArray[np.int32], objects: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return the pairs of numbers (..., 2) of instances, whose pairs are `objects` (I, 2); -1 for no instance."""
+    to = np.empty((*ids.shape, 2), np.int32)
+    library().morse_draw_objects(pointer(ids), c_int64(ids.size), pointer(np.ascontiguousarray(objects)), pointer(to))
+    return to
+
+
 class Composition:
     """A picture of the size of a camera; numbers are codes, 0 to 255.
 
