@@ -127,6 +127,59 @@ def test_temperatures_are_those_of_bodies_and_their_parts() -> None:
     assert set(np.unique(both)) == {15.0, 60.0, 90.0}
 
 
+def _plate() -> tuple[Any, Any]:
+    """A white plate that shines, before black."""
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><visual><headlight ambient="0 0 0" diffuse="0 0 0" specular="0 0 0"/></visual><asset>'
+        '<material name="white" emission="1" rgba="1 1 1 1"/></asset><worldbody><camera name="c" pos="0 0 2"/>'
+        '<body><joint type="slide" axis="1 0 0"/><geom type="box" size=".3 .3 .1" material="white"/></body>'
+        "</worldbody></mujoco>"
+    )
+    return model, mujoco.MjData(model)
+
+
+def _moved(model: Any, data: Any, x: float, time: float) -> Any:
+    data.qpos[0], data.time = x, time
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def test_a_plate_that_moves_makes_events_at_its_edges() -> None:
+    model, data = _plate()
+    camera = morse.sensors_on(model).events("c", 60, 80, threshold=0.2)
+    assert camera(_moved(model, data, 0.0, 1.0)).shape == (0, 4)
+    events = camera(_moved(model, data, 0.2, 1.01))
+    # from black to white, with the dark current of a pixel
+    each = math.floor(math.log(1.002 / 0.002) / 0.2)
+    focal = 30 / math.tan(math.radians(45 / 2))
+    edges = [40 + focal * x / 1.9 for x in (-0.3, -0.1, 0.3, 0.5)]
+    brighter = events[(events[:, 3] > 0) & (events[:, 1] == 30)]
+    darker = events[(events[:, 3] < 0) & (events[:, 1] == 30)]
+    for found, (left, right) in ((darker, edges[:2]), (brighter, edges[2:])):
+        columns, counts = np.unique(found[:, 0], return_counts=True)
+        assert columns.min() == pytest.approx(left - 0.5, abs=1)
+        assert columns.max() == pytest.approx(right - 0.5, abs=1)
+        assert np.median(counts) == each
+    assert (np.diff(events[:, 2]) >= 0).all()
+    assert 1.0 <= events[:, 2].min() < events[:, 2].max() <= 1.01
+    # time that does not go on begins anew, and what stands makes no events
+    assert camera(_moved(model, data, 0.0, 1.01)).shape == (0, 4)
+    assert camera(_moved(model, data, 0.0, 2.0)).shape == (0, 4)
+
+
+def test_events_without_a_reason_come_at_their_rate_and_depend_on_the_seed() -> None:
+    model, data = _plate()
+    found = []
+    for seed in (1, 1, 2):
+        camera = morse.sensors_on(model, seed=seed).events("c", 60, 80, noise_rate=5.0, threshold_deviation=0.05)
+        camera(_moved(model, data, 0.0, 0.0))
+        found.append(camera(_moved(model, data, 0.0, 1.0)))
+    assert np.array_equal(found[0], found[1])
+    assert not np.array_equal(found[0], found[2])
+    # a Poisson process: five standard deviations
+    assert len(found[0]) == pytest.approx(5 * 60 * 80, abs=5 * math.sqrt(5 * 60 * 80))
+
+
 _ASKED: list[tuple[str, Callable[[Any], object]]] = [
     ("There is no laser scanner 'VLP6'; did you mean 'VLP16'", lambda s: s.lidar("VLP6", at="roof")),
     ("no site or body or camera or geom 'rof'; did you mean 'roof'", lambda s: s.lidar(at="rof")),
@@ -138,6 +191,9 @@ _ASKED: list[tuple[str, Callable[[Any], object]]] = [
     ("no camera 'frnt'; did you mean 'front'", lambda s: s.depth("frnt")),
     ("property 'depth_noise' of the depth camera is -1", lambda s: s.depth("front", noise=-1)),
     ("0 < near < far; got 3 and 2 m", lambda s: s.depth("front", near=3, far=2)),
+    ("no camera 'frnt'; did you mean 'front'", lambda s: s.events("frnt")),
+    ("threshold of an event camera is from 0.01 to 5, got 0", lambda s: s.events("front", threshold=0)),
+    ("noise_rate of an event camera is from 0 to 1000, got nan", lambda s: s.events("front", noise_rate=math.nan)),
     ("no body 'cr'; did you mean 'car'", lambda s: s.thermal("front", {"cr": 1.0})),
     ("The temperature 'car' is a number of degrees Celsius, got nan", lambda s: s.thermal("front", {"car": math.nan})),
 ]

@@ -26,6 +26,7 @@ from morse.helpers.fans import fan
 from morse.mathutils.portable import matmul
 from morse.scene.component import NoiseModel
 from morse.sensors.depth_camera import AbstractDepthCamera, noisy_depths
+from morse.sensors.event_pixels import MOST_EVENTS, EventPixels, by_time, log_light, noise_events, thresholds
 from morse.sensors.imu import IMU, InertialErrors, terms_of
 from morse.sensors.laserscanner import LaserScanner, echoes
 from morse.sensors.thermal_camera import COLDEST, HOTTEST
@@ -228,6 +229,63 @@ class ModelSensors:
             ids = renderer.render()
             numbers = np.where(ids[..., 1] == GEOM, ids[..., 0], len(table) - 1)
             return np.where(ids[..., 0] < 0, nothing, table[numbers])
+
+        return measure
+
+    def events(
+        self,
+        camera: str,
+        height: int = 240,
+        width: int = 320,
+        *,
+        threshold: float = 0.2,
+        threshold_deviation: float = 0.0,
+        refractory_period: float = 0.0,
+        noise_rate: float = 0.0,
+        look: str = "classic",
+    ) -> Callable[[Any], NDArray[np.float64]]:
+        """Return an event camera: (n, 4) column, row, time (s) and polarity (1: brighter, -1: darker), by time.
+
+        Events are between the last state and this one; after the first state there are none, nor after a state that is
+        not later than the last one. The model is that of ESIM (H. Rebecq, D. Gehrig, D. Scaramuzza, CoRL 2018).
+
+        Args:
+            camera: name of a camera of the model.
+            height, width: pixels.
+            threshold: C, change of the logarithm of the light of an event.
+            threshold_deviation: deviation of C among pixels.
+            refractory_period: s, for which a pixel is blind after an event.
+            noise_rate: events of a pixel without a reason, Hz.
+            look: of the pictures, see `Renderer`.
+
+        Raises:
+            ValueError: a name or a value is wrong.
+        """
+        most = {"threshold": (0.01, 5.0), "threshold_deviation": (0.0, 1.0)}
+        most |= {"refractory_period": (0.0, 1.0), "noise_rate": (0.0, 1e3)}
+        given = {"threshold": threshold, "threshold_deviation": threshold_deviation}
+        given |= {"refractory_period": refractory_period, "noise_rate": noise_rate}
+        for name, value in given.items():
+            low, high = most[name]
+            if not _is_number(value) or not low <= value <= high:
+                raise ValueError(f"The {name} of an event camera is from {low:g} to {high:g}, got {value!r}")
+        Frame(self._model, f"camera:{camera}")  # that it exists
+        renderer, random = Renderer(self._model, height, width, look=look), self._random(f"events/{camera}")
+        limits = thresholds((height, width), threshold, threshold_deviation, random if threshold_deviation else None)
+        last: list[tuple[EventPixels, float]] = []
+
+        def measure(data: Any) -> NDArray[np.float64]:
+            renderer.update_scene(data, camera)
+            now, end = log_light(renderer.render()), float(data.time)
+            if not last or not end > last[0][1]:
+                last[:] = [(EventPixels.at_rest(now), end)]
+                return np.zeros((0, 4))
+            pixels, begin = last[0]
+            events = pixels.events(now, limits, refractory_period, begin, end)
+            if noise_rate:
+                events = np.concatenate([events, noise_events(random, noise_rate, now.shape, begin, end)])
+            last[:] = [(pixels, end)]
+            return by_time(events)[:MOST_EVENTS]
 
         return measure
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.helpers.components import add_data, add_kind, add_property, add_state, prop
-from morse.mathutils.portable import linear_light
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
+from morse.sensors.event_pixels import MOST_EVENTS, EventPixels, by_time, log_light, noise_events, thresholds
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,29 +18,6 @@ if TYPE_CHECKING:
     from morse.core.world import Body
     from morse.rendering import Picture
     from morse.sensors.delayed_pictures import Exposure
-
-#: units of the integers that stand for the light: white is 2^18 - 1
-_WHITE = 262143
-#: light of a pixel that is black, as a share of white: dark current
-_DARK = 0.002
-#: most events of a pixel between two images, and of a measurement
-_MOST_OF_A_PIXEL, _MOST = 64, 100_000
-
-
-@cache
-def _tables() -> tuple[NDArray[np.uint32], NDArray[np.float32]]:
-    """The light (3, 256) of the codes of red, green and blue, and the logarithm of each light."""
-    light = linear_light(np.arange(256) / 255.0)
-    weights = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709
-    parts = np.array([np.rint(light * weight * _WHITE) for weight in weights]).astype(np.uint32)
-    logarithms = [math.log(value / _WHITE + _DARK) for value in range(_WHITE + 3)]
-    return parts, np.array(logarithms, dtype=np.float32)
-
-
-def log_light(rgba: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Return the natural logarithm (H, W) of the luminance of an image (H, W, 3 or 4) in sRGB, white 1."""
-    parts, logarithms = _tables()
-    return np.asarray(logarithms[parts[0][rgba[..., 0]] + parts[1][rgba[..., 1]] + parts[2][rgba[..., 2]]])
 
 
 def aer(events: NDArray[np.float64]) -> NDArray[np.uint32]:
@@ -154,60 +129,32 @@ class EventCamera(Camera):
         assert picture.rgba is not None
         now, end = log_light(picture.rgba), self._exposed
         if self._last.shape != now.shape or end <= self._time:
-            self._memory, self._last, self._fired = now.copy(), now, np.full(now.shape, -math.inf)
+            rest = EventPixels.at_rest(now)
+            self._memory, self._last, self._fired = rest.memory, rest.last, rest.fired
             self.local_data["events"], self.local_data["lost"] = np.zeros((0, 4)), 0
             self._time = end
             return
         events = self._events(now, self._time, end)
         self._last, self._time = now, end
-        self.local_data["lost"] = max(len(events) - _MOST, 0)
-        self.local_data["events"] = events[:_MOST]
+        self.local_data["lost"] = max(len(events) - MOST_EVENTS, 0)
+        self.local_data["events"] = events[:MOST_EVENTS]
 
     def _threshold(self, shape: tuple[int, ...]) -> NDArray[np.float32]:
         key = (shape, self.threshold, self.threshold_deviation, self.errors)
         if self._limits[0] != key:
-            limits = np.full(shape, self.threshold, np.float32)
-            if self.errors:
-                random = self.context.random(f"{self.name()}/thresholds")
-                limits += random.standard_normal(shape, np.float32) * np.float32(self.threshold_deviation)
-            self._limits = key, np.maximum(limits, np.float32(0.01))
+            random = self.context.random(f"{self.name()}/thresholds") if self.errors else None
+            self._limits = key, thresholds(shape, self.threshold, self.threshold_deviation, random)
         return self._limits[1]
 
     def _events(self, now: NDArray[np.float32], begin: float, end: float) -> NDArray[np.float64]:
         """Return the events (n, 4) between two images, and change what the pixels remember."""
-        limit = self._threshold(now.shape)
-        change = now - self._memory
-        rows, columns = np.nonzero(np.abs(change) > limit * np.float32(0.9999))
-        counts = np.floor(np.abs(change[rows, columns]) / limit[rows, columns] + np.float32(2e-4)).astype(np.int64)
-        blocks = [np.zeros((0, 4))]
-        if len(rows):
-            number = np.minimum(counts, _MOST_OF_A_PIXEL)
-            step = limit[rows, columns].astype(np.float64)
-            sign = np.sign(change[rows, columns]).astype(np.float64)
-            start, memory = self._last[rows, columns].astype(np.float64), self._memory[rows, columns].astype(np.float64)
-            slope = now[rows, columns] - start
-            free = self._fired[rows, columns] + self.refractory_period
-            for index in range(int(number.max())):
-                level = memory + sign * step * (index + 1)
-                share = np.divide(level - start, slope, out=np.ones_like(level), where=slope != 0.0)
-                times = begin + np.clip(share, 0.0, 1.0) * (end - begin)
-                good = (index < number) & (times >= free)
-                free = np.where(good, times + self.refractory_period, free)
-                blocks.append(np.column_stack([columns, rows, times, sign])[good])
-            self._fired[rows, columns] = free - self.refractory_period
-            self._memory[rows, columns] += (sign * step * counts).astype(np.float32)
+        pixels = EventPixels(self._memory, self._last, self._fired)
+        events = pixels.events(now, self._threshold(now.shape), self.refractory_period, begin, end)
         if self.errors and self.noise_rate > 0.0:
-            blocks.append(self._noise(now.shape, begin, end))
-        events = np.concatenate(blocks)
-        return events[np.lexsort((events[:, 0], events[:, 1], events[:, 2]))]
-
-    def _noise(self, shape: tuple[int, ...], begin: float, end: float) -> NDArray[np.float64]:
-        """Return events of pixels without a reason; they are as many as a Poisson process of all pixels has."""
-        random = self.tick_random("noise")
-        count = min(int(random.poisson(min(self.noise_rate * (end - begin) * shape[0] * shape[1], 1e6))), _MOST)
-        columns, rows = random.integers(0, shape[1], count), random.integers(0, shape[0], count)
-        times = begin + random.random(count) * (end - begin)
-        return np.column_stack([columns, rows, times, random.integers(0, 2, count) * 2.0 - 1.0])
+            events = np.concatenate(
+                [events, noise_events(self.tick_random("noise"), self.noise_rate, now.shape, begin, end)]
+            )
+        return by_time(events)
 
     def shown(self) -> dict[str, object]:
         """The events since the last image as a picture: red is brighter, blue is darker."""
