@@ -1,5 +1,6 @@
 """Deformable bodies of MJCF files: they move as in MuJoCo, are seen in pictures, restored and replayed."""
 
+import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -202,6 +203,57 @@ def test_one_that_diverges_is_named(scene: Callable[..., Any]) -> None:
     stiff = JELLY.replace("1e4", "1e8")
     with morse.load(scene(stiff)) as sim, pytest.raises(Exception, match="jelly"):
         sim.step(60)
+
+
+SQUARE = "v 0 0 0\nv .3 0 0\nv 0 .3 0\nv .3 .3 0\nv .15 .15 .02\n"
+FANS = {"obj": SQUARE + "f 1 2 5\nf 2/1/1 4 5\nf -2 -3 -1\nf 3 1 5\n", "polygon": SQUARE + "f 1 2 4 3\n"}
+
+
+def stl(triangles: list[list[tuple[float, ...]]]) -> bytes:
+    """A binary file."""
+    rows = b"".join(np.array([(0, 0, 1), *one], "<f4").tobytes() + b"\0\0" for one in triangles)
+    return bytes(80) + len(triangles).to_bytes(4, "little") + rows
+
+
+@pytest.mark.parametrize("form", ["obj", "polygon", "stl", "ascii.stl"])
+def test_cloths_of_mesh_files_have_the_vertices_in_their_order(tmp_path: Path, form: str) -> None:
+    corners = [[(0, 0, 0), (0.3, 0, 0), (0.3, 0.3, 0)], [(0, 0, 0), (0.3, 0.3, 0), (0, 0.3, 0)]]
+    name = f"cloth.{form.rpartition('.')[2]}" if form != "polygon" else "cloth.obj"
+    text = "solid a\n" + "".join(
+        f"facet normal 0 0 1\nouter loop\n{' '.join(f'vertex {x} {y} {z}' for x, y, z in each)}\nendloop\nendfacet\n"
+        for each in corners
+    )
+    content = {"stl": stl(corners), "ascii.stl": f"{text}endsolid a\n".encode()}.get(form)  # type: ignore[arg-type]
+    (tmp_path / name).write_bytes(content or FANS[form].encode())
+    part = (
+        f'<flexcomp name="cloth" type="mesh" file="{name}" pos="0 0 1" radius=".005" mass="1" dim="2">'
+        '<edge equality="true" damping=".01"/><pin id="0 1"/><contact selfcollide="none"/></flexcomp>'
+    )
+    path = written(tmp_path, part, 1.0 / 60 / 17)
+
+    def script() -> None:
+        from morse.builder import Environment, Robot
+
+        Robot(str(path))
+        Environment("empty", fastmode=True)
+
+    with morse.load(script) as sim:
+        sim.step(12)
+        found = vertices(sim.world, "cloth")
+    if form in ("polygon", "ascii.stl"):
+        # MuJoCo divides polygons elsewhere, and reads no text
+        assert len(found) == 4
+        assert np.array_equal(found[:2], [[0.0, 0.0, 1.0], [0.3, 0.0, 1.0]])
+        assert found[2, 2] < 0.9
+        return
+    folder = Path.cwd()
+    os.chdir(tmp_path)
+    try:
+        expected = alone(path, 0.2)["cloth"]
+    finally:
+        os.chdir(folder)
+    assert found.shape == expected.shape
+    assert np.abs(found - expected).max() < 1e-6
 
 
 @pytest.mark.parametrize(

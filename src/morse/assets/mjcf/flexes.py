@@ -6,12 +6,11 @@ The parser of the engine would read their files itself. It gets their points and
 from __future__ import annotations
 
 import math
-from itertools import islice
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.meshfiles.reader import mesh_nodes
 from morse.assets.nearby_files import FileRefusedError
 from morse.system.regular_files import read_regular
 
@@ -52,7 +51,7 @@ def put_in(flex: Element, path: Path) -> None:
     """Replace the file of a ``flexcomp`` by its points and elements.
 
     Raises:
-        ValueError, AssetError, MeshError, OSError: the file cannot be read.
+        ValueError, OSError: the file cannot be read.
     """
     kind, dimension = flex.get("type", "grid"), int(flex.get("dim", "2"))
     suffixes = FILES[kind]
@@ -62,7 +61,8 @@ def put_in(flex: Element, path: Path) -> None:
         raise ValueError("a mesh has two dimensions; a volume needs a file of Gmsh")
     if path.stat().st_size > MOST_BYTES:
         raise ValueError(f"its file is larger than {MOST_BYTES >> 20} MB")
-    points, elements = _mesh(path) if kind == "mesh" else _gmsh(read_regular(path, MOST_BYTES), dimension)
+    content = read_regular(path, MOST_BYTES)
+    points, elements = _mesh(content, path.suffix.lower()) if kind == "mesh" else _gmsh(content, dimension)
     if not 0 < len(points) <= MOST_VERTICES or not len(elements):
         raise ValueError(f"it has {len(points)} vertices and {len(elements)} elements, expected up to {MOST_VERTICES}")
     flex.attrib.pop("origin", None)
@@ -71,20 +71,51 @@ def put_in(flex: Element, path: Path) -> None:
     flex.set("element", " ".join(map(str, elements.ravel().tolist())))
 
 
-def _mesh(path: Path) -> _Parts:
-    """The different vertices (V, 3) and the triangles (T, 3) of a file."""
-    roots = mesh_nodes(path, libraries={})
-    meshes = [node.mesh for root in roots for node in root.walk() if node.mesh is not None]
-    corners = [mesh.vertices[mesh.triangles].reshape(-1, 3) for mesh in meshes]
-    points, index = np.unique(np.concatenate([np.zeros((0, 3)), *corners]), axis=0, return_inverse=True)
-    triangles = index.reshape(-1, 3)
+def _mesh(content: bytes, suffix: str) -> _Parts:
+    """The different vertices (V, 3) and the triangles (T, 3) of a file, in its order: pins have their numbers."""
+    places, corners = _stl(content) if suffix == ".stl" else _obj(content.decode("ascii", "replace"))
+    if not np.isfinite(places).all():
+        raise ValueError("a vertex has coordinates that are not finite")
+    _, firsts, index = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(firsts)
+    number = np.empty(len(order), np.intp)
+    number[order] = np.arange(len(order))
+    triangles = number[index.ravel()][corners]
+    a, b, c = triangles.T
     # not those that are lines
-    whole = (
-        (triangles[:, 0] != triangles[:, 1])
-        & (triangles[:, 1] != triangles[:, 2])
-        & (triangles[:, 2] != triangles[:, 0])
-    )
-    return points, triangles[whole]
+    return places[firsts[order]], triangles[(a != b) & (b != c) & (c != a)]
+
+
+def _stl(content: bytes) -> _Parts:
+    """The corners (3 T, 3) of the triangles of a binary file or of a text, and the numbers of these (T, 3)."""
+    count = int.from_bytes(content[80:84], "little")
+    if len(content) == 84 + 50 * count:
+        kind = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("spare", "<u2")])
+        places = np.frombuffer(content, kind, count, 84)["corners"].reshape(-1, 3).astype(np.float64)
+    else:
+        words = content.decode("ascii", "replace").split()
+        rows = [[float(one) for one in words[at + 1 : at + 4]] for at, word in enumerate(words) if word == "vertex"]
+        if len(rows) % 3 or any(len(row) != 3 for row in rows):
+            raise ValueError("it is cut off")
+        places = np.array(rows, np.float64).reshape(-1, 3)
+    return places, np.arange(len(places)).reshape(-1, 3)
+
+
+def _obj(text: str) -> _Parts:
+    """The vertices (V, 3) of a file, and the triangles (T, 3); polygons are divided into fans."""
+    places: list[list[float]] = []
+    triangles: list[list[int]] = []
+    for line in text.splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            places.append([float(one) for one in [*rest, "nan", "nan", "nan"][:3]])
+        elif word == "f":
+            numbers = [int(one.partition("/")[0]) for one in rest]
+            if not all(0 < abs(number) <= len(places) for number in numbers):
+                raise ValueError("a face has a vertex that does not exist")
+            polygon = [number - 1 if number > 0 else len(places) + number for number in numbers]
+            triangles += [[polygon[0], one, other] for one, other in pairwise(polygon[1:])]
+    return np.array(places, np.float64).reshape(-1, 3), np.array(triangles, np.intp).reshape(-1, 3)
 
 
 def _gmsh(content: bytes, dimension: int) -> _Parts:

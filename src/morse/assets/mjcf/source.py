@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
-from morse.assets.meshfiles.reader import MeshError
 from morse.assets.mjcf.flexes import FILES, MOST_VERTICES, put_in, vertices_of
 from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
 from morse.assets.mjcf.old_files import modernize
@@ -315,7 +314,7 @@ class Source:
                 if vertices + own > MOST_VERTICES:
                     raise ValueError(f"all deformable bodies together have more than {MOST_VERTICES} vertices")
                 vertices += own
-            except (ValueError, FileRefusedError, AssetError, MeshError, OSError) as error:
+            except (ValueError, OSError) as error:
                 self.warnings.append(f"the deformable body '{name:.200}' is left out: {error}")
                 lost.append(element)
         return lost

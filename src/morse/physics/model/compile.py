@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import warnings
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -72,7 +73,7 @@ _PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
 #: bodies; the second number, bytes for each body, is used instead. Unused memory is not allocated
 _MANY, _BODY_MEMORY = 1000, 1 << 20
 #: the same for each vertex of a deformable body, whose contacts the estimate of the engine ignores
-_VERTEX_MEMORY = 1 << 18
+_VERTEX_MEMORY = 1 << 16
 
 _ORIGIN = RigidFrame(Vector((0.0, 0.0, 0.0)), Matrix.Identity(3), Matrix.Identity(3))
 _TYPES = {
@@ -163,11 +164,11 @@ def _compile(scene: Scene) -> Compiled:
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
-    model = spec.compile()
+    model = _compiled(spec)
     needed = _PAIR_MEMORY * model.nbody**2 + _SPARE_MEMORY + _VERTEX_MEMORY * model.nflexvert
     if model.narena < needed:
         spec.memory = needed
-        model = spec.compile()
+        model = _compiled(spec)
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     if not as_in_files:
         _make_bodies_independent(model)
@@ -202,6 +203,13 @@ def _compile(scene: Scene) -> Compiled:
         builder.flexes(model, slots),
         settings.physics_of_1_4,
     )
+
+
+def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    with warnings.catch_warnings():
+        # what the engine says of deformable bodies is for authors of MJCF
+        warnings.simplefilter("ignore")
+        return spec.compile()
 
 
 def _steps(settings: Settings, frames: Sequence[Frame], of_files: Sequence[float], *, as_in_files: bool) -> int:
