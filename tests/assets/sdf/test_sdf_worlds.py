@@ -320,6 +320,26 @@ def test_pictures_of_meshes_are_found_in_the_folder_of_textures(tmp_path) -> Non
     assert (folder / "materials" / "textures" / "green.png").read_bytes() == image.data
 
 
+def test_rays_hit_an_actor_where_it_walks(tmp_path) -> None:
+    (tmp_path / "w.sdf").write_text(
+        """<sdf version="1.9"><world name="w"><actor name="walker"><script><loop>false</loop>
+        <trajectory id="0" type="walk"><waypoint><time>0</time><pose>2 0 1 0 0 0</pose></waypoint>
+        <waypoint><time>4</time><pose>6 0 1 0 0 0</pose></waypoint></trajectory></script></actor></world></sdf>""",
+        "utf-8",
+    )
+    scene = tmp_path / "scene.py"
+    scene.write_text(
+        "from morse.builder import *\nrobot = FakeRobot('robot')\nscan = Hokuyo('scan')\nscan.translate(z=0.3)\n"
+        "robot.append(scan)\nEnvironment('w.sdf')\n",
+        "utf-8",
+    )
+    with morse.load(scene) as simulation:
+        for _ in range(4):
+            simulation.step(40)
+            x = simulation.context.world.objects_by_name["walker"].world_pose()[0][0]
+            assert min(simulation.robot.scan.get()["range_list"]) == pytest.approx(x - 0.25, abs=0.12)
+
+
 def test_an_actor_walks(tmp_path, simulate) -> None:
     path = world(
         tmp_path,

@@ -16,8 +16,9 @@ from morse.assets.sdf.scope import FrameMistakeError
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.portable import linear_light
 from morse.mathutils.rotations import nine
-from morse.scene import BodySettings, Light, Material, Node, NodeKind
+from morse.scene import BodySettings, CollisionShape, Light, Material, Node, NodeKind, PhysicsType, ShapeKind
 from morse.scene.component import DeclaredSensor
+from morse.scene.extent import extent
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -54,6 +55,8 @@ def add_actors(library: Library, actors: list[tuple[Element, Path]], includes: I
         for node in figure.walk():
             node.body = BodySettings()
             node.shapes = []
+        figure.body = BodySettings(type=PhysicsType.STATIC, ghost=True)
+        figure.shapes = [_shadow(figure)]
         library.roots.append(figure)
         if points:
             properties: dict[str, float | int | str] = {
@@ -64,6 +67,15 @@ def add_actors(library: Library, actors: list[tuple[Element, Path]], includes: I
             identity = nine(list(Matrix.Identity(3)))
             sensor = DeclaredSensor(name, "TimedPath", title, (0.0, 0.0, 0.0), identity, tuple(properties.items()))
             library.walkers.append(sensor)
+
+
+def _shadow(figure: Node) -> CollisionShape:
+    """The upright cylinder that rays hit: as high as the figure, and no broader than a person with spread arms is."""
+    bounds = extent(figure.walk(), figure)
+    low, high = bounds or ((-_RADIUS, -_RADIUS, -_HALF - _RADIUS), (_RADIUS, _RADIUS, _HALF + _RADIUS))
+    half = [0.5 * max(float(b) - float(a), 0.01) for a, b in zip(low, high, strict=True)]
+    x, y, z = (0.5 * (float(a) + float(b)) for a, b in zip(low, high, strict=True))
+    return CollisionShape(ShapeKind.CYLINDER, (min(half[0], half[1], _RADIUS), half[2]), (x, y, z))
 
 
 def _points(element: Element) -> list[tuple[float, ...]]:
