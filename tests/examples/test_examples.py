@@ -207,3 +207,20 @@ def test_pr2(run):
     # 0.5 m/s for 2 s, and at most for the time until the next command is heard
     assert x == pytest.approx(0.0, abs=0.02)
     assert 0.95 < y < 1.5
+
+
+@example_test("crossroads")
+def test_crossroads(run):
+    (x, y), nearest, state = run("crossroads", 2.0)
+    assert (x, y) == pytest.approx((6.5, 5.6), abs=0.5)
+    assert state == "red"
+    # the cars wait at their stop lines
+    assert nearest > 1.5
+
+
+@example_test("depot")
+def test_depot(run):
+    places = run("depot")
+    for (x, y, z), bay in zip(places, [(6.0, -2.0), (6.0, -3.5), (6.0, -5.0)], strict=True):
+        assert math.dist((x, y), bay) < 0.6
+        assert z == pytest.approx(0.1, abs=0.02)

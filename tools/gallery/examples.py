@@ -31,7 +31,8 @@ SIZE = (960, 600)
 _LINK = "../src/morse/data/examples"
 _HEAD = """# Examples
 
-Scenes with a client each, one for each family of robots, sensors and actuators. They are installed with MORSE:
+Each example is a scene with a client. There is one for each family of robots, sensors and actuators. They are installed
+with MORSE:
 
 ```sh
 morse demo
@@ -43,7 +44,7 @@ The first command lists them. The second command runs a scene in the live view; 
 the scene. The third command copies both files, as a basis for your own scene. With `--headless` there is no live view,
 and the simulation ends with the client.
 
-[Programs that others wrote](../examples/README.md), such as KISS-ICP, OpenCV, a planner and MAVSDK, drive robots too.
+[Programs of other projects](../examples/README.md), such as KISS-ICP, OpenCV, a planner and MAVSDK, drive robots, too.
 """
 #: a paused page draws all pixels, and shows a slider that belongs to no example, nor does the load of the machine
 WITHOUT_TIMELINE = "for (const one of document.querySelectorAll('.history, .log')) one.style.display = 'none'"
@@ -59,6 +60,7 @@ MOMENTS = {
     "rescue": 3.0,
     "legs": 5.0,
     "human": 3.1,
+    "depot": 19.0,
 }
 
 

@@ -208,6 +208,7 @@ class Dispenser(Robot):
                 one.parent_inverse = above
         for number, box in enumerate(self._boxes):
             scene.rename(box, f"{self.name} box {number}")
+            box.properties.update(Object=True, Graspable=True, Label=box.name)
         self.scene_node.properties["Boxes"] = json.dumps([box.name for box in self._boxes])
         return super()._declaration(robot)
 

@@ -11,7 +11,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from morse.assets.solids import cube, cylinder, polyhedron
+from morse.core.services import service
 from morse.core.validation.arguments import Range
+from morse.core.values import Fields
 from morse.mathutils.portable import matmul
 from morse.mathutils.rotations import quaternion_from_rotation
 from morse.scene import BodySettings, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
@@ -253,6 +255,13 @@ class Panels:
 
 class Facility:
     """What does not count as a robot: it does not open doors."""
+
+    local_data: Fields
+
+    @service(changes=False)
+    def get_local_data(self) -> Fields:
+        """The present data."""
+        return dict(self.local_data)
 
 
 def _people(robot: Carrier) -> Floats | None:

@@ -15,6 +15,7 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.state import StateError
 from morse.core.validation.arguments import Range
+from morse.core.values import Fields
 from morse.helpers.components import add_data, add_property
 from morse.plugins.traffic.driving import Driver, Things, advance, follower, leaders, sort
 from morse.plugins.traffic.roads import WIDTH, Road
@@ -161,6 +162,11 @@ class Traffic(Robot):
         self.left[rows] = road.offset(self.lane[rows].astype(np.float64))
 
     # -- services --------------------------------------------------------------------------
+
+    @service(changes=False)
+    def get_local_data(self) -> Fields:
+        """The present data."""
+        return dict(self.local_data)
 
     @service
     def hold(self, car: _Car = -1) -> None:
