@@ -5,8 +5,10 @@ from __future__ import annotations
 import base64
 import json
 import random
+import resource
 import struct
 import threading
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from editor_desk import MODELS, SCENE, Desk
-from view_pages import Client
+from view_pages import Client, fetch
 
 import morse
 from morse.assets import collision
@@ -298,6 +300,54 @@ def test_ticks_go_on_while_a_model_is_read(desk: Desk, monkeypatch: pytest.Monke
     assert desk.simulation.clock.time > before
     may_go_on.set()
     assert desk._wait("answer", request=1000)["value"][0]["kinds"] == [["rock/rock.obj", "rock"]]
+
+
+def png(width: int, height: int, data: bytes) -> bytes:
+    """A PNG file of 8-bit RGB; the data are compressed."""
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    chunks = [(b"IHDR", head), (b"IDAT", data), (b"IEND", b"")]
+    parts = [
+        struct.pack(">I", len(one)) + name + one + struct.pack(">I", zlib.crc32(name + one)) for name, one in chunks
+    ]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+
+
+ZEROS = zlib.compress(bytes(30_000_000), 9)
+PICTURES = {
+    "bomb.png": png(60_000, 60_000, ZEROS),
+    "wide.png": png(2**31 - 1, 1, ZEROS),
+    "more_than_declared.png": png(4, 4, ZEROS),
+    "less_than_declared.png": png(512, 512, zlib.compress(b"")),
+    "no_size.png": png(0, 0, zlib.compress(b"")),
+    "damaged.png": png(8, 8, b"this is not compressed"),
+    "cut.png": png(64, 64, zlib.compress(bytes(64 * 193)))[:60],
+    "empty.png": b"",
+    "text.png": b"no picture at all",
+    "cut.jpg": bytes.fromhex("ffd8ffe000104a46494600010100000100010000ffc0001108ffffffff03"),
+    "bomb.tga": struct.pack("<BBBHHBHHHHBB", 0, 0, 10, 0, 0, 0, 0, 0, 65535, 65535, 24, 0) + b"\xff\x00\x00\x00" * 100,
+}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_that_is_damaged_or_too_large_does_no_harm(desk: Desk, name: str) -> None:
+    files = {
+        "rock.obj": "mtllib rock.mtl\nusemtl stone\n"
+        + TETRAHEDRON.replace("f 1 3 2", "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 3/2 2/3"),
+        "rock.mtl": f"newmtl stone\nKd 1 1 1\nmap_Kd {name}\n",
+        name: PICTURES[name],
+    }
+    before = desk.simulation.clock.time
+    (entry,) = report(desk, "rock", files)
+    assert desk.simulation.clock.time > before
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    if not entry["error"]:  # then it is drawn without the picture
+        assert desk.do("add_model", model=entry["kinds"][0][0], position=[4, 1, 0]) == "rock"
+        status, _, _ = fetch(desk.simulation.view.url)
+        assert status == 200
+    # 60,000 x 60,000 pixels are 14 GB
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - memory < 400_000
+    desk.simulation.step(2)
+    assert desk.simulation.failures == ()
 
 
 def gltf(points: list[float]) -> str:

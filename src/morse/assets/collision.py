@@ -42,6 +42,9 @@ _FLAT = 1e-8
 _MOST_PARTS, _FREE_PARTS = 16_384, 64
 #: shapes of a mesh that moves: each takes time while it touches others
 _MOST_MOVING = 32
+#: triangles of a mesh that moves, from which on its parts are computed once for all its sizes
+_LARGE = 20_000
+_UNSTRETCHED = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 #: triangles of a mesh that are looked at first
 _FIRST = 16
 #: triangles of meshes that are shown with further scales, for each of which their parts are computed again
@@ -219,6 +222,7 @@ def _shapes_of_mesh(
     is_inverted: bool,
 ) -> tuple[tuple[CollisionShape, ...], tuple[str, ...]]:
     """The shapes of a stretched mesh, in its rigid frame, and warnings; an inverted one is turned inside out."""
+    own_digest = digest
     digest += b"inverted" if is_inverted else b""
     # with another limit, a mesh has other shapes
     digest += b"" if limit == DEFAULT_LIMIT else limit.to_bytes(4, "big")
@@ -228,13 +232,30 @@ def _shapes_of_mesh(
         simple = bounds in _FITTED
         shapes_and_warnings = None if simple else load_shapes(key)
         if shapes_and_warnings is None:
-            triangles = mesh.triangles[:, ::-1] if is_inverted else mesh.triangles
-            parts, warnings = _parts(mesh.vertices, triangles, np.reshape(stretch, (3, 3)), bounds, limit)
+            parts: Sequence[Primitive | ConvexPart] | None = None
+            warnings: list[str] = []
+            is_moving = bounds is None and limit <= _MOST_MOVING
+            if is_moving and len(mesh.triangles) >= _LARGE and stretch != _UNSTRETCHED:
+                own, _ = _shapes_of_mesh(own_digest, mesh, _UNSTRETCHED, None, limit, is_inverted=is_inverted)
+                parts = _stretched(own, np.reshape(stretch, (3, 3)))
+            if parts is None:
+                triangles = mesh.triangles[:, ::-1] if is_inverted else mesh.triangles
+                parts, warnings = _parts(mesh.vertices, triangles, np.reshape(stretch, (3, 3)), bounds, limit)
             shapes_and_warnings = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
             if not simple:
                 store_shapes(key, shapes_and_warnings)
         _EARLIER.put(key, shapes_and_warnings)
     return shapes_and_warnings
+
+
+def _stretched(shapes: Sequence[CollisionShape], stretch: NDArray[np.float64]) -> list[ConvexPart] | None:
+    """The parts of a large mesh in another size, which then takes no seconds.
+
+    None if one of them is a primitive, which becomes something else by a stretch, or if the mesh becomes flat.
+    """
+    if any(shape.vertices is None for shape in shapes) or abs(det(stretch)) < _FLAT:
+        return None
+    return [ConvexPart(matmul(shape.vertices, stretch.T)) for shape in shapes if shape.vertices is not None]
 
 
 def _without_mesh(node: Node) -> list[CollisionShape]:
