@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from copy import deepcopy
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.declarations import add_state, fields_of_component
 from morse.core.guard import modify
@@ -80,6 +80,8 @@ class Actuator(Object):
         return type(self).action is Actuator.action and not is_overridden(self) and not self._is_checked
 
     def _has_no_input(self) -> bool:
+        if self._lasting_modifiers():
+            return False
         signs = [waiting(function) for function in self.input_functions]
         return self.command_end is None and not self.limits_commands and None not in signs and not any(signs)
 
@@ -123,14 +125,23 @@ class Actuator(Object):
         if end is not None:
             self.command_end = None  # of several commands, the last one decides
         before = deepcopy(dict(self.local_data)) if self.input_modifiers else None
+        lasting = self._lasting_modifiers()
+        for modifier in lasting:
+            self.local_data.update(deepcopy(dict(modifier.commanded)))
         has_input = read(self, self.input_functions)
         if end is not None and not has_input:
             has_input = self._ends(end)
-        if has_input:
-            if self.context.journal.sinks:
-                self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)), self.command_end)
-            if before is not None and modify(self, self.input_modifiers):
-                self._refuse_far(before)
+        if has_input and self.context.journal.sinks:
+            self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)), self.command_end)
+        for modifier in lasting:
+            modifier.commanded = {name: deepcopy(self.local_data[name]) for name in modifier.commanded}
+        if before is not None and (has_input or lasting) and modify(self, self.input_modifiers):
+            self._refuse_far(before)
+
+    def _lasting_modifiers(self) -> list[Any]:
+        """The modifiers that change the last command in each tick; see `morse.core.modifier.AbstractModifier`."""
+        modifiers = self.input_modifiers
+        return [modifier for modifier in modifiers if getattr(modifier, "each_tick", False)] if modifiers else []
 
     def _refuse_far(self, before: Fields) -> None:
         """Refuse a command that is out of range after the modifiers: the fields keep their values before it."""

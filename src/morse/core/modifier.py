@@ -33,6 +33,8 @@ class AbstractModifier(ABC):
         changes: changes of the declarations of fields, e.g. ``{"x": {"unit": "ft"}}``: ``unit``, ``frame``, ``low``,
             ``high``, and the noise that the modifier adds: ``stddev``, the standard deviation of white noise, and
             ``walk``, that of a random walk after one second. Both are numbers, or have one number for each axis.
+        commanded: with ``each_tick``, the fields of an actuator that it changes, as the last command has set them:
+            `modify` finds these values, not its own results of the last tick.
         covariances: for noise that depends on the measurements: functions by covariance slot that return the present
             covariance, an array of the shape of the slot, or None.
 
@@ -41,7 +43,10 @@ class AbstractModifier(ABC):
     """
 
     options: ClassVar[Mapping[str, Option] | None] = None
+    #: whether `modify` is also called in ticks in which no command arrives, because the result depends on time
+    each_tick: ClassVar[bool] = False
     changes: Mapping[str, Mapping[str, object]] = MappingProxyType({})
+    commanded: Mapping[str, Value] = MappingProxyType({})
     covariances: Mapping[str, Callable[[], NDArray[np.float64] | None]] = MappingProxyType({})
     #: attributes that are not part of the state: they are created from the scene
     not_state: ClassVar[tuple[str, ...]] = ("component_instance", "kwargs", "_complaints", "covariances")

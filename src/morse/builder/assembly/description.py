@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from morse.scene import SensorAlteration, Settings, SourceLine
+    from collections.abc import Callable
+
+    from morse.scene import Scene, SensorAlteration, Settings, SourceLine
 
 
 class Wish(NamedTuple):
@@ -28,6 +30,7 @@ class EnvironmentDescription:
         filename: name of its model.
         settings: settings of time, physics and view.
         environment_properties: position on the Earth, temperature, ...
+        _completions: functions that change the complete scene, and the lines of the script that have added them.
         _wishes: what ``env.show`` was called with, by argument.
     """
 
@@ -44,6 +47,7 @@ class EnvironmentDescription:
     _distribution: dict[str, list[str]] | None
     _distribution_where: SourceLine | None
     _log_levels: dict[str, str]
+    _completions: list[tuple[SourceLine | None, Callable[[Scene], object]]]
 
     def add_default_interface(self, interface: str) -> None:
         """Connect all components of all robots to a middleware."""

@@ -270,7 +270,7 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
     components = [declare(part) for part in own]
     settings.view.display = Displaying(workspace, components).display(environment._wishes)
     _check_poses(workspace)
-    return Scene(
+    scene = Scene(
         environment=environment.filename,
         where=environment.where,
         roots=list(workspace.roots),
@@ -285,6 +285,12 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
         interfaces=list(environment._default_interfaces),
         log_levels=environment._log_levels,
     )
+    for where, complete in environment._completions:
+        try:
+            complete(scene)
+        except MorseBuilderError as error:
+            raise ScriptError(str(error), [Step(where)] if where else []) from None
+    return scene
 
 
 def _keep_one_floor(workspace: Workspace) -> None:

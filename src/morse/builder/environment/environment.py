@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
-    from morse.scene import Camera, Library, Node
+    from morse.scene import Camera, Library, Node, Scene
 
 logger = logging.getLogger(__name__)
 
@@ -85,6 +85,7 @@ class Environment(ViewMethods, TimeMethods):
         self._alterations = []
         self._auto_tune = checks.boolean(auto_tune_time, "Environment(auto_tune_time)")
         self._wishes = {}
+        self._completions = []
         self._init_time()
         if scene.speed is not None:
             self.simulator_frequency(*scene.speed)
@@ -202,6 +203,15 @@ class Environment(ViewMethods, TimeMethods):
         for classpath in sorted(classpaths):
             kwargs = modifier_options(classpath, kwargs)
         self._alterations.append(SensorAlteration(name, kwargs, frames.source_line()))
+
+    def when_complete(self, change: Callable[[Scene], object]) -> None:
+        """Call a function with the scene, plain data with all names, when the script has described all of it.
+
+        Args:
+            change: changes the scene, in the order of the calls of this method. A `MorseBuilderError` that it raises
+                names the line of the script that has called this method.
+        """
+        self._completions.append((frames.source_line(), change))
 
     # --- accepted for old scripts -----------------------------------------------------------
 

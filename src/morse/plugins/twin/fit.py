@@ -1,0 +1,380 @@
+"""Least squares: the values of parameters with which a simulation measures what the log has, and how sure they are."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from morse.core.exceptions import MorseError
+from morse.plugins.twin.comparison import Comparison, noise_of, persistence
+from morse.plugins.twin.replay import ReplayError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.plugins.twin.parameters import Correction, Parameter
+    from morse.plugins.twin.replay import Samples, Simulations
+
+    Floats = NDArray[np.float64]
+    Traces = dict[str, Samples]
+
+#: parts of the log that are fitted one after the other: an error of a motion grows with time
+_HORIZONS = (0.08, 0.3, 1.0)
+#: shortest part, s
+_SHORTEST = 2.0
+#: largest number of steps for each part
+_STEPS = 12
+#: first step of differences, relative to the scale of a parameter, and its range later on
+_DIFFERENCE, _FINEST, _COARSEST = 1e-3, 3e-4, 1e-2
+#: the largest step, for scaled parameters
+_FARTHEST = 0.5
+#: a fit ends if steps are smaller than this share of the spreads
+_SMALL = 0.05
+#: factor of errors beyond which they count less (Huber)
+_OUTLIER = 4.0
+#: spread, relative to the scale of a parameter, from which it is not known
+UNKNOWN = 0.5
+#: the same for a combination of parameters; and the spread of what has no effect at all
+_VAGUE, _WITHOUT_EFFECT = 0.3, 1e3
+#: spread of a combination that a part of the log determines
+_SURE = 0.03
+#: share in a direction from which a parameter is named
+_NAMED = 0.2
+
+
+class FitError(MorseError):
+    """Nothing can be fitted."""
+
+
+class Point(NamedTuple):
+    """Values of parameters, and what follows from them.
+
+    Attributes:
+        values: (P,).
+        traces: of the simulation.
+        errors: of each channel.
+        cost: sum of the squares of weighted errors.
+    """
+
+    values: Floats
+    traces: Traces
+    errors: list[Floats]
+    cost: float
+
+
+@dataclass
+class Result:
+    """What a fit has found.
+
+    Attributes:
+        parameters: those that were fitted.
+        start, values, spreads: (P,) before, after, and the standard deviation of each; inf for what is not known.
+        before, after: the points at the start and at the end.
+        deviations: of the errors of each channel at the end.
+        information: (P, P) of the scaled parameters: the inverse of their covariance.
+        remarks: what the user should know.
+        relations: in words, which combinations of parameters matter.
+        simulations: number of simulations.
+    """
+
+    parameters: list[Parameter]
+    start: Floats
+    values: Floats
+    spreads: Floats
+    before: Point
+    after: Point
+    deviations: list[float]
+    information: Floats
+    remarks: list[str] = field(default_factory=list)
+    relations: list[str] = field(default_factory=list)
+    simulations: int = 0
+
+    def is_known(self, number: int) -> bool:
+        """Whether the log tells the value of a parameter."""
+        return bool(self.spreads[number] < UNKNOWN * self.parameters[number].scale)
+
+
+class Fit:
+    """Fits parameters.
+
+    Args:
+        parameters: to be fitted.
+        comparison: the measurements.
+        simulations: simulate with values.
+        duration: of the log, s.
+        tell: called with a line about the progress.
+        fixed: other parameters, whose corrections are applied.
+        deviations: of the noise of each channel; None for what the measurements show.
+    """
+
+    def __init__(
+        self,
+        parameters: Sequence[Parameter],
+        comparison: Comparison,
+        simulations: Simulations,
+        duration: float,
+        tell: Callable[[str], object] = lambda line: None,
+        fixed: Sequence[Parameter] = (),
+        deviations: Sequence[float] | None = None,
+    ) -> None:
+        self._parameters, self._comparison = list(parameters), comparison
+        self._simulations, self._duration, self._tell = simulations, duration, tell
+        names = {one.name for one in parameters}
+        self._fixed = [one for one in fixed if one.name not in names]
+        self._moving = [number for number, one in enumerate(parameters) if one.correction is None]
+        self._scales = np.array([one.scale for one in parameters])
+        self._lows = np.array([one.low for one in parameters])
+        self._highs = np.array([one.high for one in parameters])
+        self._differences = _DIFFERENCE * self._scales
+        #: what errors are left at best
+        self._noises = list(deviations or [noise_of(comparison.values(channel)) for channel in comparison.channels])
+        self._deviations = list(self._noises)
+
+    # -- one point -----------------------------------------------------------------------------
+
+    def _scene_values(self, values: Floats) -> dict[str, float]:
+        return {self._parameters[number].name: float(values[number]) for number in self._moving}
+
+    def _corrections(self, values: Floats) -> dict[str, list[tuple[Correction, float]]]:
+        found: dict[str, list[tuple[Correction, float]]] = {}
+        numbers = [*values, *(one.value for one in self._fixed)]
+        for one, value in zip([*self._parameters, *self._fixed], numbers, strict=True):
+            if one.correction is not None:
+                found.setdefault(one.component, []).append((one.correction, float(value)))
+        return found
+
+    def _point(self, values: Floats, traces: Traces, horizon: float) -> Point:
+        errors = self._comparison.errors(traces, self._corrections(values))
+        errors = [self._within(number, error, horizon) for number, error in enumerate(errors)]
+        return Point(values, traces, errors, self._cost(errors))
+
+    def _cost(self, errors: list[Floats]) -> float:
+        cost = 0.0
+        for error, size in zip(errors, self._deviations, strict=True):
+            finite = error[np.isfinite(error)] / size
+            weights = _weights(finite)
+            cost += float(np.sum(weights * (2.0 - weights) * finite**2))
+        return cost
+
+    def _within(self, number: int, error: Floats, horizon: float) -> Floats:
+        times = self._comparison.times(self._comparison.channels[number].sensor)
+        return np.where(times <= horizon, error, math.nan)
+
+    def at(self, points: Sequence[Floats], horizon: float) -> list[Point]:
+        """Simulate points."""
+        traces = self._simulations.each([self._scene_values(values) for values in points], horizon)
+        return [self._point(values, trace, horizon) for values, trace in zip(points, traces, strict=True)]
+
+    def information_at(self, traces: Traces) -> Floats:
+        """What measurements like these tell about the scaled parameters, at the values that they have."""
+        here = self._point(np.array([one.value for one in self._parameters]), traces, self._duration)
+        self._differences = 0.1 * _COARSEST * self._scales
+        return self._equations(here, self._jacobian(here, self._duration))[2]
+
+    # -- differences ---------------------------------------------------------------------------
+
+    def _jacobian(self, here: Point, horizon: float) -> list[Floats]:
+        """The derivatives of the errors of each channel, (N, P) each, per scale of the parameters."""
+        steps = np.where(here.values + self._differences <= self._highs, self._differences, -self._differences)
+        points = []
+        for number in self._moving:
+            values = here.values.copy()
+            values[number] += steps[number]
+            points.append(values)
+        moved: dict[int, Point] = dict(zip(self._moving, self.at(points, horizon), strict=True)) if points else {}
+        for number in range(len(self._parameters)):
+            if number not in moved:
+                values = here.values.copy()
+                values[number] += steps[number]
+                moved[number] = self._point(values, here.traces, horizon)
+        columns = []
+        for channel in range(len(self._comparison.channels)):
+            column = np.empty((len(here.errors[channel]), len(self._parameters)))
+            for number, point in moved.items():
+                change = point.errors[channel] - here.errors[channel]
+                if self._comparison.channels[channel].is_angle:
+                    change = (change + math.pi) % (2.0 * math.pi) - math.pi
+                column[:, number] = change / steps[number] * self._scales[number]
+            columns.append(column)
+        return columns
+
+    def _equations(self, here: Point, jacobian: list[Floats]) -> tuple[Floats, Floats, Floats]:
+        """The normal equations of the step, and the information without repeated errors."""
+        count = len(self._parameters)
+        matrix, side, information = np.zeros((count, count)), np.zeros(count), np.zeros((count, count))
+        for error, column, size in zip(here.errors, jacobian, self._deviations, strict=True):
+            is_finite = np.isfinite(error) & np.isfinite(column).all(axis=1)
+            if not is_finite.any():
+                continue
+            scaled, rows = error[is_finite] / size, column[is_finite] / size
+            weights = _weights(scaled)
+            matrix += rows.T @ (weights[:, None] * rows)
+            side -= rows.T @ (weights * scaled)
+            information += (rows.T @ (weights[:, None] * rows)) / persistence(scaled)
+        return matrix, side, information
+
+    # -- all steps -----------------------------------------------------------------------------
+
+    def run(self) -> Result:
+        """Fit, and judge the result.
+
+        Raises:
+            FitError: the simulation cannot be compared with the log.
+        """
+        values = np.array([one.value for one in self._parameters])
+        guess = np.array([one.value if one.guess is None else max(one.value, one.guess) for one in self._parameters])
+        (before,) = self.at([values], self._duration)
+        if not any(np.isfinite(error).any() for error in before.errors):
+            raise FitError("the log and the simulation have no time in common: no sample can be compared")
+        here, information = before, np.zeros((len(values), len(values)))
+        first = guess
+        horizons = [share * self._duration for share in _HORIZONS if share * self._duration >= _SHORTEST]
+        for horizon in horizons or [self._duration]:
+            if not self._parameters:
+                break
+            # what a part hardly tells is left to the whole
+            here, information = self._descend(first, horizon, _VAGUE if horizon == self._duration else _SURE)
+            first = here.values
+        self._weigh(here)
+        return self._judged(before, here, information)
+
+    def _descend(self, values: Floats, horizon: float, vague: float = _VAGUE) -> tuple[Point, Floats]:
+        (here,) = self.at([values], horizon)
+        here = self._weigh(here)
+        damping = 0.0
+        information = np.zeros((len(values), len(values)))
+        for step in range(_STEPS):
+            matrix, side, information = self._equations(here, self._jacobian(here, horizon))
+            spreads = spreads_of(information) * self._scales
+            better = None
+            for _ in range(6):
+                change = _solved(matrix, side, damping, vague) * self._scales
+                goal = np.clip(here.values + change, self._lows, self._highs)
+                if not self._is_worth_it(goal - here.values, spreads):
+                    break
+                better = self._tried(goal, here, horizon)
+                if better is not None:
+                    damping = 0.1 * damping if damping > 1e-4 else 0.0
+                    break
+                damping = max(10.0 * damping, 1e-2)
+            self._tell(f"{horizon:.3g} s, step {step + 1}: error {math.sqrt(here.cost / max(_count(here), 1)):.4g}")
+            if better is None:
+                break
+            here = self._weigh(better)
+            known = np.where(np.isfinite(spreads), spreads, self._scales)
+            self._differences = np.clip(0.3 * known, _FINEST * self._scales, _COARSEST * self._scales)
+        return here, information
+
+    def _weigh(self, here: Point) -> Point:
+        """Let each channel count by the errors that are left of it."""
+        sizes = [float(np.sqrt(np.nanmean(error**2))) if np.isfinite(error).any() else 0.0 for error in here.errors]
+        self._deviations = [max(size, 0.5 * noise) for size, noise in zip(sizes, self._noises, strict=True)]
+        return here._replace(cost=self._cost(here.errors))
+
+    def _is_worth_it(self, change: Floats, spreads: Floats) -> bool:
+        finite = np.where(np.isfinite(spreads), spreads, self._scales)
+        return bool((np.abs(change) > np.maximum(_SMALL * finite, 1e-9 * self._scales)).any())
+
+    def _tried(self, goal: Floats, here: Point, horizon: float) -> Point | None:
+        try:
+            (there,) = self.at([goal], horizon)
+        except ReplayError:
+            return None
+        fits = _count(there) >= 0.98 * _count(here)
+        return there if fits and there.cost < here.cost else None
+
+    # -- what is known -------------------------------------------------------------------------
+
+    def _judged(self, before: Point, here: Point, information: Floats) -> Result:
+        spreads = spreads_of(information) * self._scales
+        result = Result(
+            self._parameters,
+            before.values,
+            here.values,
+            spreads,
+            before,
+            here,
+            self._deviations,
+            information,
+            simulations=self._simulations.count,
+        )
+        result.relations = relations(self._parameters, information)
+        for number, one in enumerate(self._parameters):
+            if not one.low < here.values[number] < one.high and np.isfinite(spreads[number]):
+                result.remarks.append(
+                    f"{one.name} has reached the end of its range, {here.values[number]:g} {one.unit}".rstrip()
+                )
+        return result
+
+
+def _weights(errors: Floats) -> Floats:
+    size = np.abs(errors)
+    return np.where(size <= _OUTLIER, 1.0, _OUTLIER / np.maximum(size, 1e-300))
+
+
+def _count(point: Point) -> int:
+    return int(sum(np.isfinite(error).sum() for error in point.errors))
+
+
+def _solved(matrix: Floats, side: Floats, damping: float, vague: float) -> Floats:
+    """The step of Levenberg and Marquardt; along what the log does not tell, there is none."""
+    values, vectors = np.linalg.eigh(matrix)
+    kept = vectors[:, values > vague**-2]
+    inner = kept.T @ matrix @ kept
+    step = kept @ np.linalg.solve(inner + damping * np.diag(np.diag(inner)), kept.T @ side)
+    return np.asarray(step / max(1.0, float(np.abs(step).max(initial=0.0)) / _FARTHEST))
+
+
+def spreads_of(information: Floats) -> Floats:
+    """The standard deviations of the scaled parameters: the Cramér-Rao bound; inf for what has no effect."""
+    values, vectors = np.linalg.eigh(information)
+    least = max(_WITHOUT_EFFECT**-2, 1e-13 * max(float(values[-1]), 0.0)) if len(values) else 0.0
+    is_flat = values <= least
+    variances = (vectors[:, ~is_flat] ** 2 / values[~is_flat]).sum(axis=1)
+    # what is part of a direction without effect is not known
+    variances[(vectors[:, is_flat] ** 2).sum(axis=1) > 1e-6] = math.inf
+    return np.asarray(np.sqrt(variances))
+
+
+def relations(parameters: Sequence[Parameter], information: Floats) -> list[str]:
+    """In words: what the log does not tell about the parameters, and what it tells instead."""
+    if not parameters:
+        return []
+    values, vectors = np.linalg.eigh(information)
+    silent = {number for number in range(len(parameters)) if information[number, number] <= _WITHOUT_EFFECT**-2}
+    lines = [f"{parameters[number].name} has no effect here" for number in sorted(silent)]
+    for value, vector in zip(values, vectors.T, strict=True):
+        if value > _VAGUE**-2:
+            break
+        parts = [number for number in np.argsort(-np.abs(vector)) if abs(vector[number]) > _NAMED]
+        parts = [number for number in parts if number not in silent]
+        if len(parts) < 2:
+            lines += [f"{parameters[number].name} hardly has an effect here" for number in parts]
+            continue
+        lines.append(_relation(parameters, vector, parts))
+    return lines
+
+
+def _relation(parameters: Sequence[Parameter], vector: Floats, parts: Sequence[int]) -> str:
+    names = [parameters[number].name for number in parts]
+    if len(parts) == 2:
+        one, other = parts
+        # what stays the same along the direction
+        first, second = float(vector[other]), -float(vector[one])
+        if first < 0.0:
+            first, second = -first, -second
+        if parameters[one].is_ratio and parameters[other].is_ratio:
+            power = second / first
+            if abs(abs(power) - 1.0) < 0.15:
+                return f"only {names[0]} {'×' if power > 0.0 else '/'} {names[1]} matters here"
+            return f"only {names[0]} × {names[1]}^{power:.2g} matters here"
+        first, second = first / parameters[one].scale, second / parameters[other].scale
+        share = second / first
+        sign = "+" if share > 0.0 else "-"
+        return f"only {names[0]} {sign} {abs(share):.3g} · {names[1]} matters here"
+    return f"{', '.join(names[:-1])} and {names[-1]} cannot be told apart here"

@@ -1,0 +1,121 @@
+"""Proposes a manoeuvre that tells what a log does not tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from morse.plugins.twin.comparison import Comparison
+from morse.plugins.twin.fit import UNKNOWN, Fit, Result, spreads_of
+from morse.plugins.twin.replay import ReplayError, Samples, Simulations
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.plugins.twin.parameters import Parameters
+    from morse.plugins.twin.replay import Probe
+
+    Floats = NDArray[np.float64]
+
+#: length of a manoeuvre, s, the rate of its commands, Hz, and how much farther than in the log they go
+_LENGTH, _RATE, _FARTHER = 12.0, 20.0, 1.5
+#: largest number of fields that are varied
+_MOST = 8
+#: waves of times (N,), from -1 to 1; fields that are varied together have different factors of time, from 1 on
+_WAVES: dict[str, Callable[[Floats], Floats]] = {
+    "steps of 1 s": lambda t: np.sign(np.sin(math.pi * t + 1e-9)),
+    "steps of 3 s": lambda t: np.sign(np.sin(math.pi * t / 3.0 + 1e-9)),
+    "a sine of 0.5 Hz": lambda t: np.sin(math.pi * t),
+    "a sine of 2 Hz": lambda t: np.sin(4.0 * math.pi * t),
+}
+
+
+class Manoeuvre(NamedTuple):
+    """Commands that would tell more.
+
+    Attributes:
+        text: what they are, in words.
+        spreads: of the parameters, with the log and the manoeuvre together.
+    """
+
+    text: str
+    spreads: dict[str, float]
+
+
+def propose(
+    result: Result,
+    parameters: Parameters,
+    comparison: Comparison,
+    commands: Mapping[str, Samples],
+    sensors: Mapping[str, Sequence[str]],
+    probe: Probe,
+    workers: int,
+) -> Manoeuvre | None:
+    """The manoeuvre after which most of the parameters are known that are not known now; None for none."""
+    unknown = [number for number in range(len(result.parameters)) if not result.is_known(number)]
+    if not unknown:
+        return None
+    scales = np.array([one.scale for one in result.parameters])
+    found = [replace(one, value=float(value)) for one, value in zip(result.parameters, result.values, strict=True)]
+    best: tuple[float, Manoeuvre] | None = None
+    for text, orders in _candidates(commands):
+        try:
+            with Simulations(parameters, orders, sensors, workers) as simulations:
+                values = {one.name: one.value for one in found if one.correction is None}
+                (traces,) = simulations.each([values], _LENGTH)
+                there = Comparison.of(traces, probe)
+                sizes = dict(zip([one.name for one in comparison.channels], result.deviations, strict=True))
+                fit = Fit(
+                    found,
+                    there,
+                    simulations,
+                    _LENGTH,
+                    deviations=[sizes.get(one.name, math.inf) for one in there.channels],
+                )
+                information = result.information + fit.information_at(traces)
+        except ReplayError:
+            continue
+        spreads = spreads_of(information) * scales
+        left = sum(min(float(spreads[number] / scales[number]), 10.0 * UNKNOWN) for number in unknown)
+        if best is None or left < best[0]:
+            names = [one.name for one in result.parameters]
+            best = left, Manoeuvre(text, dict(zip(names, map(float, spreads), strict=True)))
+    if best is None or not any(best[1].spreads[found[number].name] < UNKNOWN * scales[number] for number in unknown):
+        return None
+    return best[1]
+
+
+def _candidates(commands: Mapping[str, Samples]) -> Iterator[tuple[str, dict[str, Samples]]]:
+    times = np.arange(0.0, _LENGTH, 1.0 / _RATE)
+    fields = [
+        (name, field) for name, one in commands.items() for field, values in one.fields.items() if values.ndim == 1
+    ]
+    fields = fields[:_MOST]
+    rest = {
+        name: {field: np.full((len(times), *values.shape[1:]), _middle(values)) for field, values in one.fields.items()}
+        for name, one in commands.items()
+    }
+    for chosen in [*([one] for one in fields), *([fields] if len(fields) > 1 else [])]:
+        for what, wave in _WAVES.items():
+            orders = {name: dict(columns) for name, columns in rest.items()}
+            words = []
+            for number, (name, field) in enumerate(chosen):
+                low, high = _range(commands[name].fields[field])
+                orders[name][field] = 0.5 * (low + high) + 0.5 * (high - low) * wave(times * (1.0 + 0.3 * number))
+                words.append(f"{name}.{field} between {low:.3g} and {high:.3g}")
+            yield f"{what}: {', '.join(words)}", {name: Samples(times, columns) for name, columns in orders.items()}
+
+
+def _middle(values: Floats) -> Floats:
+    return np.asarray(np.median(values, axis=0))
+
+
+def _range(values: Floats) -> tuple[float, float]:
+    low, high = float(values.min()), float(values.max())
+    middle, half = 0.5 * (low + high), 0.5 * (high - low) or 0.5
+    return middle - _FARTHER * half, middle + _FARTHER * half
