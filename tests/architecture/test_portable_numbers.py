@@ -21,6 +21,9 @@ _ROUNDED_BY_THE_PROCESSOR = {
     *("sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "sinh", "cosh", "tanh"),
     *("exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "power", "float_power", "cbrt"),
 }
+#: what is computed about a run, after it: estimates for people, in which rounding is far below the spread
+_ESTIMATES = ("plugins/twin/",)
+_NO_ESTIMATES = ("plugins/twin/calibration.py", "plugins/twin/parameters.py", "plugins/twin/replay.py")
 #: files with numpy whose products are those of `morse.mathutils.Matrix`
 _PRODUCTS_OF_MATRICES = {
     "plugins/blend/evaluation.py": 2,
@@ -58,6 +61,8 @@ def test_no_function_of_numpy_that_rounds_by_the_processor_is_called(room: str) 
     faults = []
     for path in sorted((_SOURCES / room).rglob("*.py")):
         name, tree = path.relative_to(_SOURCES).as_posix(), ast.parse(path.read_text("utf-8"))
+        if name.startswith(_ESTIMATES) and name not in _NO_ESTIMATES:
+            continue
         faults += [f"{name}: {call}" for call in _calls(tree)]
         if not _imports_numpy(tree):
             continue

@@ -28,6 +28,7 @@ WORDS = {
     "people": r"plugins[./]people|\bCrowd\b",
     "legacy": r"plugins[./]legacy|builder[./]legacy",
     "senses": r"plugins[./]senses",  # a verb, too
+    "twin": r"plugins[./]twin|\bTwin\b",  # two parts that are alike
     "weather": r"plugins[./]weather",  # the weather of data sheets and of cables
     "ros": r"(?<!find\()[\"']ros[\"']|plugins\.ros\b",
 }

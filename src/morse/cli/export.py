@@ -217,6 +217,12 @@ def command(
     parquet: Annotated[
         bool, typer.Option("--parquet", help="Write tables with typed columns, for pandas, Polars, DuckDB, ...")
     ] = False,
+    form: Annotated[
+        str | None,
+        typer.Option(
+            "--as", metavar="FORM", help="For other tools: tum, kitti, euroc (poses), pcd, las (point clouds), numpy."
+        ),
+    ] = None,
     to: Annotated[
         str | None,
         typer.Option(
@@ -322,11 +328,14 @@ def command(
     which needs a script: see `morse replay --resimulate`.
     """
     from morse.core.exceptions import MorseError
-    from morse.recording.export import export
+    from morse.core.reports.quoting import nearest, quoted
+    from morse.recording.export import FORMS, export
     from morse.recording.mcap.reader import McapFile
 
-    if [csv, parquet, mcap, film, html is not None, foxglove_layout].count(True) != 1:
-        raise CommandError("Give --csv or --parquet for tables, --mcap, --film, --html or --foxglove-layout.", 2)
+    if [csv, parquet, form is not None, mcap, film, html is not None, foxglove_layout].count(True) != 1:
+        raise CommandError("Give --csv, --parquet or --as FORM, --mcap, --film, --html or --foxglove-layout.", 2)
+    if form is not None and form not in FORMS:
+        raise CommandError(f"--as {quoted(form)}: there is no such form{nearest(form, FORMS)}.", 2)
     for written in (output, html):
         check_other(written, file)
     if foxglove_layout:
@@ -365,7 +374,7 @@ def command(
         with McapFile(file) as recording:
             if not recording.complete:
                 say("The recording is incomplete: its intact part is exported.")
-            paths, remarks = export(recording, folder, "csv" if csv else "parquet", selection)
+            paths, remarks = export(recording, folder, form or ("csv" if csv else "parquet"), selection)
     except MorseError as error:
         raise CommandError(str(error)) from None
     for remark in remarks:

@@ -1,21 +1,21 @@
-"""Exports the topics of a recording as CSV and Parquet files."""
+"""Exports the topics of a recording: tables, trajectories, point clouds."""
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from morse.core.exceptions import MorseError
-from morse.core.reports.quoting import nearest, spreadsheet_cell
+from morse.core.reports.quoting import nearest
 from morse.core.validation.names import file_name
 from morse.recording.errors import RecordingError
 from morse.recording.fields import DECLARED, FIELDS
 from morse.recording.fields.blocks import block_of
+from morse.recording.formats import Clouds, Csv, Numpy, Parquet, Sink, Trajectory
 from morse.recording.mcap.writer import McapWriter
 from morse.rosmsgs.cdr import CdrError, decode
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
@@ -211,77 +211,28 @@ class Written(NamedTuple):
     left_out: tuple[str, ...]
 
 
-class _Sink(Protocol):
-    def write(self, rows: list[list[object]]) -> None: ...
-    def close(self) -> None: ...
+#: the suffix of the file of a topic, by the form of an export; a folder for clouds
+_SUFFIXES = {
+    "csv": ".csv",
+    "parquet": ".parquet",
+    "numpy": ".npz",
+    "tum": ".tum",
+    "kitti": ".kitti",
+    "euroc": ".euroc.csv",
+    "pcd": ".pcd",
+    "las": ".las",
+}
+#: the forms of an export, and those for any topic
+FORMS = tuple(_SUFFIXES)
+_TABLES = ("csv", "parquet", "numpy")
 
 
-class _Csv:
-    """RFC 4180, numbers with all their digits; lists as JSON; no text is a formula for a spreadsheet."""
-
-    def __init__(self, path: Path, table: Table | FieldsTable) -> None:
-        self._file = path.open("x", newline="", encoding="utf-8", errors="backslashreplace")
-        self._writer = csv.writer(self._file)
-        self._writer.writerow([spreadsheet_cell(name) for name, _ in table.columns])
-
-    def write(self, rows: list[list[object]]) -> None:
-        self._writer.writerows([[_cell(value) for value in row] for row in rows])
-
-    def close(self) -> None:
-        self._file.close()
-
-
-def _cell(value: object) -> object:
-    if isinstance(value, (list, dict)) or hasattr(value, "tolist"):
-        return spreadsheet_cell(json.dumps(_plain(value)))
-    return spreadsheet_cell(value)
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list):
-        return [_plain(inner) for inner in value]
-    return value.tolist() if hasattr(value, "tolist") else value
-
-
-class _Parquet:
-    """With the types of the messages."""
-
-    def __init__(self, path: Path, table: Table | FieldsTable) -> None:
-        import pyarrow
-        from pyarrow import parquet
-
-        self._arrow = pyarrow
-        self._columns = table.columns
-        self._schema = pyarrow.schema([(name, self._type(kind)) for name, kind in table.columns])
-        if path.exists():
-            raise FileExistsError(17, "File exists", str(path))
-        self._writer = parquet.ParquetWriter(path, self._schema, compression="zstd")
-
-    def _type(self, kind: str) -> object:
-        if kind == "uint8[]":
-            return self._arrow.binary()
-        if kind.endswith("[]"):
-            return self._arrow.list_(self._type(kind[:-2]))
-        types = {"json": "string", "float32": "float32", "float64": "float64"}
-        return getattr(self._arrow, {"bool": "bool_"}.get(kind, types.get(kind, kind)))()
-
-    def write(self, rows: list[list[object]]) -> None:
-        columns = []
-        for (_, kind), values in zip(self._columns, zip(*rows, strict=True), strict=True):
-            column: list[object] = list(values)
-            if kind == "uint8[]":
-                column = [bytes(value) for value in values]
-            elif kind == "json":
-                column = [json.dumps(_plain(value)) for value in values]
-            elif kind == "string":
-                column = [value.encode("utf-8", "replace").decode() for value in values]
-            columns.append(self._arrow.array(column, type=self._type(kind)))
-        self._writer.write_table(self._arrow.table(columns, schema=self._schema))
-
-    def close(self) -> None:
-        self._writer.close()
+def _sink(path: Path, columns: list[tuple[str, str]], form: str) -> Sink:
+    if form in ("tum", "kitti", "euroc"):
+        return Trajectory(path, columns, form)
+    if form in ("pcd", "las"):
+        return Clouds(path, columns, form)
+    return {"csv": Csv, "parquet": Parquet, "numpy": Numpy}[form](path, columns)
 
 
 class _Writing:
@@ -294,10 +245,12 @@ class _Writing:
             if channel.topic.startswith(f"{FIELDS}/")
             else Table(channel.type, without_data=is_csv)
         )
-        self.path = folder / f"{_file_name(channel.topic, names)}.{form}"
+        if form not in _TABLES and isinstance(self.table, FieldsTable):
+            raise RecordingError("data fields are exported as tables")
+        self.path = folder / f"{_file_name(channel.topic, names)}{_SUFFIXES[form]}"
         self.topic = channel.topic
         self.count = 0
-        self._sink: _Sink = (_Csv if form == "csv" else _Parquet)(self.path, self.table)
+        self._sink = _sink(self.path, self.table.columns, form)
         self._rows: list[list[object]] = []
         self._bytes = 0
 
@@ -341,7 +294,7 @@ def export(
     Args:
         file: a recording.
         folder: is created; it must not exist, or be empty.
-        form: ``csv`` or ``parquet``.
+        form: one of `FORMS`.
         topics: the selected topics; none for all.
 
     Returns:
@@ -367,7 +320,13 @@ def export(
     names: dict[str, int] = {}
     for begin in range(0, len(topics_to_write), _FILES):
         tables += _some(file, topics_to_write[begin : begin + _FILES], target, form, names, remarks)
-    return tables, remarks
+    if form in _TABLES or topics:
+        return tables, remarks
+    if not tables:
+        what = "point clouds" if form in ("pcd", "las") else "poses"
+        raise RecordingError(f"{file.path} has no topic with {what}")
+    # the other topics have nothing of that kind
+    return tables, []
 
 
 def _some(

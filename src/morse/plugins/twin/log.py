@@ -309,9 +309,8 @@ def _read_ros(file: McapFile, budget: list[int], remarks: list[str]) -> list[_Ro
             if channel is None or channel.encoding != "cdr" or len(topics) >= _MOST_TOPICS:
                 unknown.add(one.channel)
                 if channel is not None:
-                    remarks.append(
-                        f"{short(channel.topic)} is left out: its messages are {quoted(channel.encoding)}, expected 'cdr'"
-                    )
+                    kind = quoted(channel.encoding)
+                    remarks.append(f"{short(channel.topic)} is left out: its messages are {kind}, expected 'cdr'")
                 continue
             rows = topics[one.channel] = _Rows(channel.topic, channel.type, budget)
         try:

@@ -229,9 +229,16 @@ def _orders(one: Samples, frequency: float, ticks: int) -> dict[int, dict[str, A
         if shares.sum() <= 0.0:
             continue
         shares = shares / shares.sum()
-        # floats of Python: what commands consist of
-        table[tick] = {name: (shares @ values[first:last]).tolist() for name, values in numbers.items()}
+        table[tick] = {name: _mean(shares, values[first:last]) for name, values in numbers.items()}
     return table
+
+
+def _mean(shares: Floats, values: Floats) -> Any:
+    """The weighted mean of commands, as numbers of Python: what commands consist of."""
+    total = shares[0] * values[0]
+    for share, value in zip(shares[1:], values[1:], strict=True):
+        total = total + share * value
+    return total.tolist()
 
 
 # -- in several processes --------------------------------------------------------------------
