@@ -232,7 +232,9 @@ def _sink(path: Path, columns: list[tuple[str, str]], form: str) -> Sink:
         return Trajectory(path, columns, form)
     if form in ("pcd", "las"):
         return Clouds(path, columns, form)
-    return {"csv": Csv, "parquet": Parquet, "numpy": Numpy}[form](path, columns)
+    if form == "numpy":
+        return Numpy(path, columns)
+    return Csv(path, columns) if form == "csv" else Parquet(path, columns)
 
 
 class _Writing:
