@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.declarations import DataField
     from morse.plugins.twin.parameters import Parameters
     from morse.plugins.twin.replay import Probe
 
@@ -63,7 +64,7 @@ def propose(
     scales = np.array([one.scale for one in result.parameters])
     found = [replace(one, value=float(value)) for one, value in zip(result.parameters, result.values, strict=True)]
     best: tuple[float, Manoeuvre] | None = None
-    for text, orders in _candidates(commands):
+    for text, orders in _candidates(commands, probe):
         try:
             with Simulations(parameters, orders, sensors, workers) as simulations:
                 values = {one.name: one.value for one in found if one.correction is None}
@@ -90,12 +91,13 @@ def propose(
     return best[1]
 
 
-def _candidates(commands: Mapping[str, Samples]) -> Iterator[tuple[str, dict[str, Samples]]]:
+def _candidates(commands: Mapping[str, Samples], probe: Probe) -> Iterator[tuple[str, dict[str, Samples]]]:
     times = np.arange(0.0, _LENGTH, 1.0 / _RATE)
     fields = [
         (name, field) for name, one in commands.items() for field, values in one.fields.items() if values.ndim == 1
     ]
-    fields = fields[:_MOST]
+    # what the log varies, else all
+    fields = [(name, field) for name, field in fields if np.ptp(commands[name].fields[field])][:_MOST] or fields[:_MOST]
     rest = {
         name: {field: np.full((len(times), *values.shape[1:]), _middle(values)) for field, values in one.fields.items()}
         for name, one in commands.items()
@@ -105,7 +107,7 @@ def _candidates(commands: Mapping[str, Samples]) -> Iterator[tuple[str, dict[str
             orders = {name: dict(columns) for name, columns in rest.items()}
             words = []
             for number, (name, field) in enumerate(chosen):
-                low, high = _range(commands[name].fields[field])
+                low, high = _range(commands[name].fields[field], probe.fields[name].get(field))
                 orders[name][field] = 0.5 * (low + high) + 0.5 * (high - low) * wave(times * (1.0 + 0.3 * number))
                 words.append(f"{name}.{field} between {low:.3g} and {high:.3g}")
             yield f"{what}: {', '.join(words)}", {name: Samples(times, columns) for name, columns in orders.items()}
@@ -115,7 +117,13 @@ def _middle(values: Floats) -> Floats:
     return np.asarray(np.median(values, axis=0))
 
 
-def _range(values: Floats) -> tuple[float, float]:
+def _range(values: Floats, declared: DataField | None) -> tuple[float, float]:
+    """The range of a command, a little farther than in the log, but no farther than it may be."""
     low, high = float(values.min()), float(values.max())
     middle, half = 0.5 * (low + high), 0.5 * (high - low) or 0.5
-    return middle - _FARTHER * half, middle + _FARTHER * half
+    low, high = middle - _FARTHER * half, middle + _FARTHER * half
+    if declared is not None and declared.low is not None:
+        low = max(low, declared.low)
+    if declared is not None and declared.high is not None:
+        high = min(high, declared.high)
+    return low, high

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import DataField
     from morse.core.interfaces import Component
+    from morse.simulation.handles.component_handles import ComponentHandle
     from morse.plugins.twin.parameters import Parameters
     from morse.scene import Scene
 
@@ -164,7 +165,7 @@ def replay(
                 last = tick
             for handle, table in orders:
                 if tick in table:
-                    handle.publish(table[tick])
+                    _publish(handle, table[tick], tick / frequency)
         if ticks > last:
             simulation.step(ticks - last)
         for failure in simulation.failures:
@@ -173,6 +174,13 @@ def replay(
                     f"{failure}: the world of the scene is too small for the commands of the log, or they do not fit"
                 )
         return {one.name(): _samples(rows, sensors[one.name()]) for one, rows in keeper.kept.items()}
+
+
+def _publish(handle: ComponentHandle, command: dict[str, Any], time: float) -> None:
+    try:
+        handle.publish(command)
+    except MorseError as error:
+        raise ReplayError(f"a command at {time:.3f} s is refused: {error}") from None
 
 
 class _Keeper(Observer):
