@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import DataField
     from morse.core.interfaces import Component
-    from morse.simulation.handles.component_handles import ComponentHandle
     from morse.plugins.twin.parameters import Parameters
     from morse.scene import Scene
+    from morse.simulation.handles.component_handles import ComponentHandle
 
     Floats = NDArray[np.float64]
 
