@@ -57,3 +57,33 @@ def test_opencv_docks_at_a_marker(tmp_path: Path) -> None:
     # it stops at the first picture from within 0.6 m, after at most 0.1 m/s * 0.2 s
     assert distance == pytest.approx(0.6, abs=0.05)
     assert abs(off) < 2.0
+
+
+@pytest.mark.skipif(find_spec("cv2") is None, reason="there is no OpenCV: pip install opencv-python-headless")
+@pytest.mark.peer("opencv-python-headless")
+def test_a_robot_that_has_not_docked_does_not_say_so(tmp_path: Path) -> None:
+    """From 6 m, the detector does not see a marker of 8 cm."""
+    program = (
+        f"import sys; sys.path.insert(0, {str(EXAMPLES / 'docking')!r})\n"
+        "from functools import partial\nimport morse, dock_at_marker as program\nprogram.MOST_PICTURES = 5\n"
+        "with morse.load(partial(program.scene, 6.0)) as sim:\n    print(program.dock(sim)['docked'])\n"
+    )
+    (tmp_path / "far.py").write_text(program)
+    said = python(tmp_path / "far.py", folder=tmp_path, limit=LIMIT)
+    assert said.stdout.strip() == "0", said.stderr[-2000:]
+
+
+@pytest.mark.skipif(find_spec("casadi") is None, reason="there is no CasADi: pip install casadi")
+@pytest.mark.peer("casadi")
+def test_a_quadrotor_flies_the_way_that_casadi_plans(tmp_path: Path) -> None:
+    """The way takes 8.7 s; the program waits another 2 s at its end. Wind of 3 m/s is corrected."""
+    found = numbers(
+        "race/fly_gates.py",
+        r"wind 0 m/s: (\d) gates in ([\d.]+) s, at most ([\d.]+) m.*\n"
+        r"wind 3 m/s: (\d) gates in [\d.]+ s, at most ([\d.]+) m",
+        tmp_path,
+    )
+    assert (found[0], found[3]) == (4, 4)
+    assert found[1] == pytest.approx(10.7, abs=0.2)
+    assert found[2] < 0.1
+    assert found[4] < 0.3
