@@ -55,6 +55,9 @@ _MOST_COMPONENTS = 200
 _MOST_ADDED = 500
 #: of the text of a client, s: all robots are moved at the shortest step
 _SHORTEST_STEP = 0.0005
+#: largest number of vertices of the deformable bodies of what a client spawns: each costs half a microsecond a
+#: step, and such bodies have many steps in a tick
+_MOST_VERTICES = 1000
 
 
 def _is_number(value: object) -> bool:
@@ -206,6 +209,8 @@ class Population:
         newcomer = self._describe(name, kind, position, rotation, _MOST_COMPONENTS if by_client else None)
         if by_client and isinstance(kind, str) and is_description(kind):
             _check_step(name, newcomer.roots)
+        if by_client:
+            _check_vertices(name, newcomer.roots)
         if carrier is not None and mount is not None:
             for root in newcomer.roots:
                 root.parent_inverse = mount.turn
@@ -693,6 +698,20 @@ def _sort(table: dict[str, _T], order: Mapping[str, int]) -> None:
 
 def _accept(kind: str) -> None:
     """Refuse no kind."""
+
+
+def _check_vertices(name: str, roots: Sequence[Node]) -> None:
+    """Check the size of deformable bodies.
+
+    Raises:
+        MorseBuilderError: they are larger than what clients may spawn.
+    """
+    count = sum(len(node.children) for root in roots for node in root.walk() if node.flex is not None)
+    if count > _MOST_VERTICES:
+        raise MorseBuilderError(
+            f"'{short(name)}' has {count} vertices of deformable bodies, and clients may spawn {_MOST_VERTICES}, "
+            "because each tick computes all of them; a scene script may have more"
+        )
 
 
 def _check_step(name: str, roots: Sequence[Node]) -> None:

@@ -13,6 +13,7 @@ import pytest
 import morse
 from morse.assets.errors import AssetError
 from morse.assets.mjcf import read_mjcf
+from morse.core.exceptions import MorseBuilderError
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
 from morse.rendering.renderer import photograph
@@ -59,6 +60,12 @@ def scene(tmp_path: Path) -> Callable[..., Callable[[], None]]:
         return script
 
     return make
+
+
+def empty() -> None:
+    from morse.builder import Environment
+
+    Environment("empty", fastmode=True)
 
 
 def vertices(world: Any, name: str) -> np.ndarray:
@@ -156,6 +163,19 @@ def test_they_keep_their_shape_when_the_scene_changes(scene: Callable[..., Any])
         before = vertices(sim.world, "cloth")
         sim.spawn("table", "props/crates", (4.0, 0.0, 0.5))
         assert np.abs(vertices(sim.world, "cloth") - before).max() < 1e-9
+
+
+def test_clients_spawn_small_ones_only(tmp_path: Path) -> None:
+    text = written(tmp_path, CLOTH).read_text()
+    with morse.load(empty) as sim:
+        sim.population.spawn("small", text, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), by_client=True)
+        sim.step(3)
+        (cloth,) = [obj.name for obj in sim.world.objects() if obj.node.flex is not None]
+        assert len(vertices(sim.world, cloth)) == 49
+        large = text.replace("7 7 1", "40 40 1")
+        with pytest.raises(MorseBuilderError, match="1600 vertices of deformable bodies, and clients may spawn 1000"):
+            sim.population.spawn("large", large, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), by_client=True)
+        sim.step()
 
 
 def test_recordings_show_them(scene: Callable[..., Any], tmp_path: Path) -> None:
