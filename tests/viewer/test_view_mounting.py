@@ -317,3 +317,29 @@ def test_a_sensor_is_dropped_on_a_robot_and_moved_by_its_handles(script: Path, o
             shown(f"morse.stage.view.position.distanceTo({{x: {x}, y: {y}, z: {z}}}) < 0.01")
             above = -turn[:, 1] if up < 0 else turn[:, up]
             assert np.dot(page.evaluate("morse.stage.view.above.toArray()"), above) > 0.99
+
+
+def test_who_only_watches_sees_what_is_locked_and_why(script: Path, open_page: Callable[..., Page]) -> None:
+    with morse.load(script, view="web") as simulation:
+        drives = open_page(simulation.view.url, wait=False, width=1100, height=700)
+
+        def shown(page: Page, condition: str) -> None:
+            wait_until(lambda: (simulation.step(1), page.evaluate(f"Boolean({condition})"))[1], condition)
+
+        shown(drives, "window.morse?.stage.world && morse.seat.drives.value")
+        watches = open_page(simulation.view.url, wait=False, width=1100, height=700)
+        shown(watches, "window.morse?.stage.world && !morse.panels.editor.element.hidden")
+        places = ".inspector :is(.properties, .commands, .switch) :is(input, select), .editor .tools button"
+        locked = f"[...document.querySelectorAll('{places}')]"
+        locked += ".filter((one) => one.checkVisibility() && one.ariaLabel !== 'Script')"
+        for name in ("robot.camera", "robot.ptu"):
+            for page in (drives, watches):
+                page.evaluate(f"morse.components.selected.set('{name}')")
+                shown(page, f"{locked}.length > 4")
+            wait_until(
+                lambda: (simulation.step(1), watches.evaluate(f"{locked}.every((one) => one.disabled)"))[1], name
+            )
+            assert watches.evaluate(f"{locked}.every((one) => one.title.includes('only the page that drives'))")
+            assert not drives.evaluate(
+                "[...document.querySelectorAll('.properties input')].some((one) => one.disabled)"
+            )

@@ -79,10 +79,10 @@ export class Editor {
   /** Who may not change the scene sees disabled controls. */
   private enable(): void {
     const drives = this.drives.value;
-    disable(this.addButton, !drives);
-    this.undoButton.disabled = !drives || !this.changes?.last;
-    this.redoButton.disabled = !drives || !this.changes?.next;
-    this.saveButton.disabled = !drives || !this.changes?.file;
+    for (const button of [this.addButton, this.undoButton, this.redoButton, this.saveButton]) disable(button, !drives);
+    this.undoButton.disabled ||= !this.changes?.last;
+    this.redoButton.disabled ||= !this.changes?.next;
+    this.saveButton.disabled ||= !this.changes?.file;
   }
 
   private show(changes: SceneChanges): void {
@@ -92,10 +92,10 @@ export class Editor {
     this.undoButton.title = last === "" ? "Nothing to undo" : `Undo: ${last} (Ctrl+Z)`;
     this.redoButton.title = next === "" ? "Nothing to redo" : `Redo: ${next} (Ctrl+Y)`;
     this.saveButton.hidden = count === 0;
-    this.enable();
     this.saveButton.title = file === "" ? "A program describes this scene: there is no script to save it in" : `Save in ${file} (Ctrl+S)`;
     this.saveButton.textContent = `save ${count}…`;
     this.saveButton.setAttribute("aria-label", `save ${count} ${count === 1 ? "change" : "changes"}`);
+    this.enable();
   }
 
   toggle(): void {

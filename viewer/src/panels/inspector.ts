@@ -2,7 +2,7 @@ import type { Connection } from "../connection/connection";
 import type { Answer, ComponentDescription, FieldDescription, PropertyDescription } from "../generated/protocol";
 import type { Components, Live } from "../model/components";
 import type { Watching } from "../model/watching";
-import { h } from "../ui/dom";
+import { disable, h } from "../ui/dom";
 import type { Signal } from "../ui/signal";
 import { unitText } from "../ui/units";
 import type { Field } from "./field";
@@ -65,6 +65,14 @@ export class Inspector {
     this.element.replaceChildren(...parts.filter((part): part is HTMLElement => part !== null));
     const live = name === null ? null : this.components.valuesOf(name);
     if (live) this.update(live);
+    this.lock();
+  }
+
+  /** Watchers see the controls, but cannot use them. */
+  private lock(): void {
+    if (this.drives.value) return;
+    const changing = ".properties, .commands, .service, .switch".split(", ").map((part) => `${part} :is(input, select, button)`);
+    for (const control of this.element.querySelectorAll<HTMLInputElement>(changing.join())) disable(control, true);
   }
 
   private head(component: ComponentDescription): HTMLElement {
@@ -155,6 +163,7 @@ export class Inspector {
     const error = onChange(field, send);
     cell.replaceChildren(field, error);
     if (declared.reached && field instanceof HTMLInputElement) cell.prepend(this.slider(declared, value, field));
+    this.lock();
   }
 
   /** A slider for the values that a command can reach; the field beside it sends them. */

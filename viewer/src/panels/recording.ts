@@ -1,6 +1,6 @@
 import type { Connection } from "../connection/connection";
 import type { RecordingDescription } from "../generated/protocol";
-import { h, iconButton } from "../ui/dom";
+import { disable, h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
 import { formatTime } from "./clock";
@@ -58,10 +58,10 @@ export class RecordingPanel {
   private show(): void {
     const { own, button } = this;
     button.hidden = !this.possible;
-    button.disabled = !this.drives.value;
     button.innerHTML = own ? icons.stop : icons.record;
     button.ariaLabel = button.title = own ? "Stop recording" : "Record the run";
     button.setAttribute("aria-pressed", String(own !== null));
+    disable(button, !this.drives.value);
     const lines = this.running.map((one) => this.line(one));
     if (this.saved !== null && !this.running.some(({ path }) => path === this.saved)) lines.push(this.savedLine(this.saved));
     // existing elements stay in place: they may have the focus

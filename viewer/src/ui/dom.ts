@@ -47,7 +47,7 @@ export function reveal(element: Element, block: "nearest" | "center" = "nearest"
 const WHY = ": only the page that drives can do this";
 
 /** Disable a control of the driving page for others, with the reason in its tooltip. */
-export function disable(control: HTMLButtonElement | HTMLSelectElement, disabled: boolean): void {
+export function disable(control: HTMLButtonElement | HTMLSelectElement | HTMLInputElement, disabled: boolean): void {
   control.disabled = disabled;
   const own = control.title.replace(WHY, "");
   control.title = disabled ? own + WHY : own;
