@@ -41,6 +41,26 @@ def test_a_hand_holds_a_ball() -> None:
     assert load == pytest.approx(-0.1 * GRAVITY, rel=0.01)
 
 
+def test_a_humanoid_is_pushed_and_stands_again(tmp_path: Path) -> None:
+    results = run("stand.py", str(tmp_path / "stand.webp"))
+    start = results[0][3]
+    for farthest, left, tilt, height in results[1:]:
+        # the speed after the push, and the inverted pendulum without feet, would take it farther than its feet are long
+        assert 0.03 < farthest < 0.11
+        assert left < 0.02, "it is back at its place"
+        assert tilt < 0.05
+        assert height == pytest.approx(start, abs=0.01)
+    assert (tmp_path / "stand.webp").stat().st_size > 1000
+
+
+def test_without_its_ankles_the_humanoid_falls() -> None:
+    main = runpy.run_path(str(FOLDER / "stand.py"))["main"]
+    main.__globals__["ANKLE"] = 0.0
+    _, (_, _, tilt, height) = main(None, [(-70.0, 0.0)])
+    assert tilt > 1.0
+    assert height < 0.3
+
+
 def test_the_first_lines_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
     root = FOLDER.parents[1]
     monkeypatch.chdir(root)
