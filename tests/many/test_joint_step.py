@@ -216,6 +216,28 @@ def test_arms_of_urdf_files_go_together_too():
         assert many.save(1)[0].hash() == sim.state_hash()
 
 
+def test_motors_of_tendons_go_together_too(tmp_path):
+    model = tmp_path / "spider.xml"
+    tendon = (
+        '<tendon><fixed name="band"><joint joint="hip_a" coef="1"/><joint joint="knee_a" coef="0.5"/></fixed></tendon>'
+    )
+    pull = '<motor name="pull" tendon="band" ctrlrange="-3 3"/></actuator>'
+    text = MODEL.read_text().replace("<actuator>", f"{tendon}<actuator>").replace("</actuator>", pull)
+    model.write_text(text)
+    scene = partial(meadow, "effort", model)
+    with morse.batch(scene, 2, seed=4) as many, morse.load(scene, seed=5) as sim:
+        legs, angles = many.command("robot.legs", "pull", "knee_b"), many.read("robot.legs.angles", *JOINTS)
+        for force in (2.0, -9.0, -3.0, 0.5):
+            legs[1] = force, 0.4
+            assert stepped_alone(many) == []
+            sim.robot.legs.publish({"pull": force, "knee_b": 0.4})
+            sim.step(1, measure=True)
+            assert (angles[1] == [sim.robot.legs.angles.data[name] for name in JOINTS]).all()
+        assert many.save(1)[0].hash() == sim.state_hash()
+        assert many[1].robot.legs.get_tendons() == sim.robot.legs.get_tendons()
+        assert sim.robot.legs.get_tendons().result()["pull"]["force"] == 0.5
+
+
 def test_a_single_row_goes_on_in_the_kernel():
     with morse.batch(partial(meadow, "effort"), 1) as many:
         legs, pose = many.command("robot.legs"), many.read("robot.pose", "z")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from morse.actuators.joint_reach import Follower, JointReach, nearer, seen_from, targets_of
@@ -108,13 +109,13 @@ class Armature(JointReach):
 
     def holds(self) -> bool:
         """Whether all joints have their setpoints, and nothing else moves them."""
-        return self._is_free() and self._wanted() == self._values
+        return self._is_free() and not self._tendons and self._wanted() == self._values
 
     def _is_free(self) -> bool:
         """Whether nothing but setpoints moves the joints."""
         return (
             type(self).default_action is Armature.default_action
-            and not (self._tendons or self._targets)
+            and not self._targets
             and (self._move, self._trajectory, self._awaited) == (None, None, None)
         )
 
@@ -123,11 +124,19 @@ class Armature(JointReach):
         motors = self.motors
         if motors is None or not self._is_free():
             return None
-        return Setpoints(self.joints, self._values, self._bounds(), self._steps(), motors.channels(self.joints))
+        pulled = self._pulled.values()
+        return Setpoints(
+            (*self.joints, *self._tendons),
+            (*self._values, *pulled),
+            (*self._bounds(), *self._tendons.values()),
+            (*self._steps(), *[math.inf for _ in pulled]),
+            (*motors.channels(self.joints), *[motor.actuator for motor in motors.file_motors]),
+        )
 
     def went_on(self, values: Sequence[float]) -> None:
         """See `Actuator.went_on`."""
-        self._values = list(values)
+        joints = len(self.joints)
+        self._values, self._pulled = list(values[:joints]), dict(zip(self._tendons, values[joints:], strict=True))
 
     def _stop(self) -> None:
         self._move = None

@@ -419,11 +419,13 @@ class FileMotor(Protocol):
         name: its name.
         commands: smallest and largest command.
         start: initial command.
+        actuator: its number among the commands of the world.
     """
 
     name: str
     commands: tuple[float, float]
     start: float
+    actuator: int
 
 
 class Joints(Protocol):
