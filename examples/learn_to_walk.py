@@ -75,17 +75,19 @@ def walk(envs, weights, length, seed, act=actions):
     return rewards, way, up
 
 
-def search(task, act, shape, rounds, length, seed, tell, noise=NOISE, rate=RATE, period=PERIOD, form="{:5.2f} m/s"):
-    """Return weights of a shape, and the learning curve: actions, seconds, mean speed ahead (m/s).
+def search(task, act, first, rounds, length, seed, tell, noise=NOISE, rate=RATE, period=PERIOD, form="{:5.2f} m/s"):
+    """Return weights, and the learning curve: actions, seconds, mean speed ahead (m/s).
 
     Args:
         act: a function like `actions`.
+        first: the shape of the weights, which begin with zero; or the weights to begin with.
         length: actions of an episode.
         period: time of an action (s); None for a curve of the mean way itself.
         form: how a value of the curve is told.
     """
     envs = morse.gym.vector(task, ROWS, workers=WORKERS)
-    rng, weights = np.random.default_rng(seed), np.zeros(shape)
+    rng, weights = np.random.default_rng(seed), np.zeros(first) if isinstance(first, tuple) else first
+    shape = weights.shape
     drift, curve, begin = np.zeros_like(weights), [], time.perf_counter()
     for number in range(rounds):
         size = 1.0 - number / rounds / 1.5
