@@ -1,5 +1,6 @@
 """Masses and frictions that are changed while a simulation runs."""
 
+import mujoco
 import numpy as np
 import pytest
 from many_scenes import block, body
@@ -231,3 +232,47 @@ def test_a_replay_contains_colours_and_restarts_of_robots():
     with morse.load(lit) as sim:
         sim.replay(stopped)
         assert sim.state_hash() == end
+
+
+SEESAW = """
+<mujoco><option timestep="0.002"/><worldbody>
+  <body name="beam" pos="0 0 1"><joint name="tip" axis="0 1 0"/><geom type="sphere" size="0.05" mass="1"/>
+    <body name="left" pos="0.5 0 0"><joint name="left" axis="0 0 1"/><geom type="sphere" size="0.02" mass="0.5"/></body>
+    <body name="right" pos="-0.5 0 0"><joint name="right" axis="0 0 1"/>
+      <geom type="sphere" size="0.02" mass="0.5"/></body>
+  </body>
+</worldbody></mujoco>
+"""
+
+
+def test_masses_of_links(tmp_path):
+    def seesaw():
+        from morse.builder import Environment, Robot
+
+        Robot(str(path), name="seesaw")
+        Environment("empty")
+
+    path = tmp_path / "seesaw.xml"
+    path.write_text(SEESAW)
+    with morse.batch(seesaw, 3) as many:
+        many.vary("left", mass=[0.5, 0.7, 1.5])
+        many.step(6)
+        speeds = [float(one.world.data.qvel[0]) for one in many]
+        # balanced; then the torque (m - m') g a over the moment of inertia (m + m') a² and that of the spheres
+        assert speeds[0] == pytest.approx(0.0, abs=1e-9)
+        for speed, mass in zip(speeds[1:], (0.7, 1.5), strict=True):
+            spheres = 0.4 * (1.0 * 0.05**2 + (mass + 0.5) * 0.02**2)
+            expected = (mass - 0.5) * 9.81 * 0.5 / ((mass + 0.5) * 0.25 + spheres) * 0.1
+            assert speed == pytest.approx(expected, rel=0.01)
+        heavy, light = many[2].world.model, many[0].world.model
+        assert heavy.body_subtreemass[1] == pytest.approx(light.body_subtreemass[1] + 1.0)
+        # as the engine computes it for a file with these masses
+        other = mujoco.MjModel.from_xml_string(SEESAW.replace('mass="0.5"', 'mass="1.5"', 1))
+        assert heavy.dof_invweight0[:3] == pytest.approx(other.dof_invweight0, rel=1e-9)
+        state = many.save(2)[0]
+        many.restart()
+        assert many[2].world.game_object("left").mass == pytest.approx(0.5)
+        many.restore([2], [state])
+        assert many[2].world.game_object("left").mass == pytest.approx(1.5)
+        with pytest.raises(ValueError, match="set that of one of its links: beam, left, right"):
+            many.vary("seesaw", mass=2.0)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import TYPE_CHECKING
+
+import mujoco
 
 from morse.physics.model.layout import Motion
 
@@ -15,11 +18,14 @@ if TYPE_CHECKING:
 
     from morse.physics.model.layout import Slot
     from morse.physics.objects.object_world import ObjectWorld, Posed
+    from morse.scene import Node
 
 #: the arrays of the model that a variation changes
 ARRAYS = ("body_mass", "body_inertia", "body_subtreemass", "body_invweight0", "dof_invweight0", "geom_friction")
 #: largest ratio of a mass to that of the scene, either way
 _MOST = 1e4
+#: bodies with a mass of their own, and how many of them a message names
+_WITH_MASS, _SHOWN = (Motion.FREE, Motion.JOINT), 8
 #: largest coefficient of friction
 _ROUGHEST = 100.0
 
@@ -35,7 +41,7 @@ class Variations:
         self._world, self._pristine = world, pristine
 
     def set_mass(self, obj: Posed, mass: float) -> None:
-        """Set the mass of a body, kg; its inertia changes in proportion.
+        """Set the mass of a body, or of a link on a joint, kg; its inertia changes in proportion.
 
         Raises:
             ValueError: the object is not a dynamic body, or the mass differs by more than 10,000 from that of the
@@ -48,11 +54,22 @@ class Variations:
         dofs = slice(slot.dof, slot.dof + 6)
         for name in ("body_mass", "body_inertia"):
             getattr(model, name)[slot.body] = self._pristine[name][slot.body] * ratio
+        self._world.is_stirred = True
+        if slot.frame.motion is Motion.JOINT:
+            self._renew_constants()
+            return
         model.body_subtreemass[slot.body] = self._pristine["body_subtreemass"][slot.body] + (mass - first)
         # how strongly contacts and limits resist: the inverse of the mass
         model.body_invweight0[slot.body] = self._pristine["body_invweight0"][slot.body] / ratio
         model.dof_invweight0[dofs] = self._pristine["dof_invweight0"][dofs] / ratio
-        self._world.is_stirred = True
+
+    def _renew_constants(self) -> None:
+        """Let the engine compute what follows from the masses of links: these depend on the links beyond them."""
+        model = self._world.model
+        other = copy.copy(model)
+        mujoco.mj_setConst(other, mujoco.MjData(other))
+        for name in ("body_subtreemass", "body_invweight0", "dof_invweight0"):
+            getattr(model, name)[:] = getattr(other, name)
 
     def set_friction(self, obj: Posed, friction: float) -> None:
         """Set the coefficient of sliding friction of all shapes of a body and of the links that its joints carry.
@@ -89,8 +106,12 @@ class Variations:
         """Raise the error of `set_mass` or `set_friction`; ``what`` is ``mass`` or ``friction``."""
         slot, name = self._world.slots[obj.slot], obj.node.name
         if what == "mass":
-            if slot.frame.motion is not Motion.FREE:
-                raise ValueError(f"'{name}' is not a body that moves freely: it has no mass to set")
+            if slot.frame.motion not in _WITH_MASS:
+                links = [node.name for node in obj.node.walk() if self._moves_on_a_joint(node)]
+                mend = f"; set that of one of its links: {', '.join(links[:_SHOWN])}" if links else ""
+                raise ValueError(
+                    f"'{name}' is neither a body that moves freely nor on a joint: it has no mass to set{mend}"
+                )
             first = float(self._pristine["body_mass"][slot.body])
             low, high = first / _MOST, first * _MOST
             if not low <= value <= high:  # not true of NaN
@@ -100,6 +121,10 @@ class Variations:
                 raise ValueError(f"the friction of '{name}' is {value!r}, expected 0 to {_ROUGHEST:g}")
             if not any(_geoms(other) for other in self._carried(slot)):
                 raise ValueError(f"'{name}' has no shapes that collide: it has no friction to set")
+
+    def _moves_on_a_joint(self, node: Node) -> bool:
+        slot = self._world.slots[self._world.object_of(node).slot]
+        return slot.frame.motion is Motion.JOINT and slot.frame.node is node
 
     def present(self) -> dict[str, tuple[float | None, float | None]]:
         """Return the bodies whose values are not those of the scene: name to mass and friction, None if unchanged."""
@@ -122,7 +147,7 @@ class Variations:
             if index is None:
                 continue
             obj = self._world.object_of(self._world.slots[index].frame.node)
-            if mass is not None and math.isfinite(mass) and self._world.slots[index].frame.motion is Motion.FREE:
+            if mass is not None and math.isfinite(mass) and self._world.slots[index].frame.motion in _WITH_MASS:
                 self.set_mass(obj, mass)
             if friction is not None:
                 self._rub(self._world.slots[index], friction)
