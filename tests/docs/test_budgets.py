@@ -95,7 +95,5 @@ def test_a_row_has_the_number_of_the_code(module: str, name: str, value: float, 
 
 
 def test_every_row_is_compared() -> None:
-    lines = [
-        line for line in TABLE.splitlines() if line.startswith("| ") and not line.startswith(("| **", "| item"))
-    ]
+    lines = [line for line in TABLE.splitlines() if line.startswith("| ") and not line.startswith(("| **", "| item"))]
     assert [line for line in lines if not any(line.startswith(f"| {row[3]}") for row in ROWS)] == []

@@ -28,6 +28,8 @@ WORDS = {
     "people": r"plugins[./]people|\bCrowd\b",
     "legacy": r"plugins[./]legacy|builder[./]legacy",
     "senses": r"plugins[./]senses",  # a verb, too
+    "sun": r"plugins[./]sun",  # the light of pictures
+    "traffic": r"plugins[./]traffic",  # what networks carry
     "twin": r"plugins[./]twin|\bTwin\b",  # two parts that are alike
     "weather": r"plugins[./]weather",  # the weather of data sheets and of cables
     "ros": r"(?<!find\()[\"']ros[\"']|plugins\.ros\b",
