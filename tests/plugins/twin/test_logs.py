@@ -342,3 +342,10 @@ def test_the_nearest_name_of_a_log_is_told(tmp_path):
     (tmp_path / "drive.csv").write_text("time,a\n0,1\n")
     with pytest.raises(MorseError, match=r"did you mean 'drive\.csv'"):
         read_log(tmp_path / "drve.csv")
+
+
+def test_a_command_that_is_out_of_range_is_told_with_its_time(tmp_path, scene):
+    lines = ["time,motion.v,motion.w,pose.x"] + [f"{k / 10},{1e12 if k == 7 else SPEED},{RATE},0" for k in range(20)]
+    (tmp_path / "drive.csv").write_text("\n".join(lines))
+    with pytest.raises(MorseError, match=r"a command at 0\.700 s is refused: robot\.motion: 'v'"):
+        Twin(tmp_path / "drive.csv", scene).fit(workers=0)
