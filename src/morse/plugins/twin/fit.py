@@ -250,7 +250,8 @@ class Fit:
         information = np.zeros((len(values), len(values)))
         for step in range(_STEPS):
             matrix, side, information = self._equations(here, self._jacobian(here, horizon))
-            spreads = spreads_of(information) * self._scales
+            # without those that errors share: far from the solution, all errors do
+            spreads = spreads_of(matrix) * self._scales
             better = None
             for _ in range(6):
                 change = _solved(matrix, side, damping, vague) * self._scales
