@@ -43,6 +43,8 @@ UNKNOWN = 0.5
 _VAGUE, _WITHOUT_EFFECT = 0.3, 1e3
 #: spread of a combination that a part of the log determines
 _SURE = 0.03
+#: errors, relative to the noise, that are not noise
+_UNEXPLAINED = 3.0
 #: share in a direction from which a parameter is named
 _NAMED = 0.2
 
@@ -309,6 +311,14 @@ class Fit:
             if not one.low < here.values[number] < one.high and np.isfinite(spreads[number]):
                 result.remarks.append(
                     f"{one.name} has reached the end of its range, {here.values[number]:g} {one.unit}".rstrip()
+                )
+        for channel, error in zip(self._comparison.channels, here.errors, strict=True):
+            finite = error[np.isfinite(error)]
+            ratio = float(np.sqrt(np.mean(finite**2))) / noise_of(finite) if len(finite) else 0.0
+            if self._parameters and ratio > _UNEXPLAINED:
+                result.remarks.append(
+                    f"the errors of {channel.name} are {ratio:.0f} times its noise: something is not in the model, or the "
+                    "fit has ended beside the solution, and then the spreads are too small"
                 )
         return result
 
