@@ -317,8 +317,8 @@ class Fit:
             ratio = float(np.sqrt(np.mean(finite**2))) / noise_of(finite) if len(finite) else 0.0
             if self._parameters and ratio > _UNEXPLAINED:
                 result.remarks.append(
-                    f"the errors of {channel.name} are {ratio:.0f} times its noise: something is not in the model, or the "
-                    "fit has ended beside the solution, and then the spreads are too small"
+                    f"the errors of {channel.name} are {ratio:.0f} times its noise: something is not in the model, or "
+                    "the fit has ended beside the solution, and then the spreads are too small"
                 )
         return result
 
