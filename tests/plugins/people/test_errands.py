@@ -88,6 +88,33 @@ def test_seats_are_taken_by_one_person_each(load):
         assert set(_states(sim.people)) == {"gone"}
 
 
+def test_a_seat_before_a_wall_is_taken_and_left_on_the_side_from_which_one_comes(load):
+    """The other side of the wall is as near to the seat; whoever sits looks away from it."""
+    lines = """
+wall = Cube("wall")
+wall.scale = (0.05, 20, 1.2)
+wall.translate(-4.31, 0, 1.2)
+wall.static()
+c = Crowd("people", 2, deviation=0.0)
+c.start([(-2, 2), (0, 5)])
+c.goals([(-4.1, -0.6), (-4.1, 0.6)], then="sit", wait=4.0)
+"""
+    with load(lines) as sim:
+        seated = 0
+        for _ in range(120):
+            sim.step(15)
+            crowd = sim.people.component
+            assert (crowd.walkers.position[:, 0] > -4.15).all()
+            for person in np.flatnonzero(crowd.mode == 10).tolist():
+                if crowd.until[person] - sim.context.clock.time < 2.0 and not crowd._leaves(np.array([person]))[0]:
+                    seated += 1
+                    assert crowd.gait.heading[person, 0] > 0.5
+            if not sim.people.data["present"].any():
+                break
+        assert seated
+        assert not sim.people.data["present"].any()
+
+
 def test_a_schedule_sends_people_elsewhere_at_its_times(load):
     lines = (
         'c = Crowd("people", 3)\nc.start([(0, 8), (4, 10)])\n'

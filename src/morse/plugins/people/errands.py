@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 PITCH, _JOINS = 0.65, 1.2
 #: m/s, at which people sit down; m: they have arrived
 _SITS_DOWN, HERE = 0.6, 0.1
-#: s: later than all runs
-NEVER = 1e12
+#: s: later than all runs; s, to stand up from a seat
+NEVER, STANDS_UP = 1e12, 1.5
 
 
 def phases(flows: list[dict[str, Any]]) -> list[dict[str, Any]]:

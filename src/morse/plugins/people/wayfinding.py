@@ -262,17 +262,26 @@ class Ground:
 
     # -- ways --------------------------------------------------------------------------------
 
-    def nearest_free(self, point: Floats, within: float) -> Floats | None:
-        """Return the centre of the free cell nearest to a point, m; None if there is none within a distance."""
+    def cells_beside(self, point: Floats, within: float) -> NDArray[np.bool_]:
+        """Return (H, W) the free cells nearest to a point, within a distance, m, on all sides of what stands there.
+
+        Sides are equal if they differ by 0.3 m: people who go to a bench go to the side on which they are.
+        """
+        found = np.zeros(self.shape, dtype=bool)
         rows, columns = self._window(point - within, point + within)
         r, c = np.nonzero(self.is_free[rows, columns])
         if not len(r):
-            return None
-        centres = self.origin + self.cell * np.stack([c + columns.start, r + rows.start], axis=1)
-        apart = centres - point
-        squared = (apart * apart).sum(axis=1)
-        best = int(squared.argmin())
-        return centres[best] if squared[best] <= within * within else None
+            return found
+        r, c = r + rows.start, c + columns.start
+        apart = self.origin + self.cell * np.stack([c, r], axis=1) - point
+        distance = np.sqrt((apart * apart).sum(axis=1))
+        nearest = float(distance.min())
+        if nearest > within:
+            return found
+        # in the open, the cells around the point; beside something, one row of cells on each side
+        good = distance <= (nearest + 0.3 if nearest > self.cell else 1.1 * self.cell)
+        found[r[good], c[good]] = True
+        return found
 
     def cells_in(self, area: Floats) -> NDArray[np.bool_]:
         """Return (H, W) the free cells whose centres are in a polygon (V, 2)."""

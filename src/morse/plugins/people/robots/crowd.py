@@ -18,7 +18,7 @@ from morse.core.state import StateError
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.people.contacts import Places, Surroundings, can_touch
-from morse.plugins.people.errands import HERE, NEVER, Queue, line_back, phases, sit_down, steps_to
+from morse.plugins.people.errands import HERE, NEVER, STANDS_UP, Queue, line_back, phases, sit_down, steps_to
 from morse.plugins.people.gait import Gait
 from morse.plugins.people.recorded import FASTEST, Tracks, checked
 from morse.plugins.people.walking import Orca, SocialForce, Walkers, length
@@ -54,6 +54,10 @@ _IMPACT = 0.5
 _MASS = 76.0
 #: most ways that people were sent to, which are kept
 _MOST_WAYS = 64
+
+#: arrays of states: of the crowd itself; places and velocities, which are bounded
+_OWN = ("flow", "stage", "mode", "until", "target", "came", "rank", "alert")
+_PLACES = ("position", "feet", "target", "came", "planned")
 
 _Person = Annotated[int, Range(0, 5000)]
 
@@ -172,6 +176,7 @@ class Crowd(Robot):
         self.mode = np.full(count, WALKS, dtype=np.intp)
         self.until = np.zeros(count)
         self.target = np.zeros((count, 2))
+        self.came = np.zeros((count, 2))
         self.rank = np.zeros(count, dtype=np.intp)
         self._ways: dict[bytes, Way] = {}
         rides = np.arange(count) < int(self._rides)
@@ -256,14 +261,7 @@ class Crowd(Robot):
         way = self._ways.get(key.tobytes())
         if way is not None:
             return way
-        if key.ndim == 1:
-            free = self.ground.nearest_free(key, _BESIDE)
-            if free is None:
-                return None
-            half = 0.75 * self.ground.cell
-            cells = self.ground.cells_in(free + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]))
-        else:
-            cells = self.ground.cells_in(key)
+        cells = self.ground.cells_beside(key, _BESIDE) if key.ndim == 1 else self.ground.cells_in(key)
         if not cells.any():
             return None
         if len(self._ways) >= _MOST_WAYS + sum(len(flow["goals"]) for flow in self._flows):
@@ -486,7 +484,12 @@ class Crowd(Robot):
                     waiting = np.flatnonzero(mine & (self.mode == ARRIVED) & (self.stage == stage))[:1]
                     if not (mine & (self.stage == stage) & (self.mode == SITS)).any():
                         self.mode[waiting], self.target[waiting] = SITS, flow["seats"][stage]
+                        self.came[waiting] = walkers.position[waiting]
                         self.until[waiting] = now + flow["wait"] if flow["wait"] > 0.0 else NEVER
+            # who stands up goes back to where he came from
+            rows = np.flatnonzero(mine & (self.mode == SITS) & (self.until <= now))
+            rows = rows[~self._leaves(rows)]
+            self.target[rows], self.until[rows] = self.came[rows], now + STANDS_UP
             rows = np.flatnonzero(mine & np.isin(self.mode, (WAITS, SITS)) & (self.until <= now))
             last = self.stage[rows] + 1 >= count
             self.mode[rows[~last]] = WALKS
@@ -497,6 +500,10 @@ class Crowd(Robot):
             else:
                 self.mode[ends] = ARRIVED if flow["then"] == "stay" else GONE
         self.walkers.present = ~np.isin(self.mode, _ABSENT)
+
+    def _leaves(self, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Whether (R,) people who sit stand up."""
+        return np.asarray((self.target[rows] == self.came[rows]).all(axis=1))
 
     def _change(self, rows: NDArray[np.intp], flow: int) -> None:
         """Let people have the goals of another flow, the next one of their schedule."""
@@ -537,11 +544,8 @@ class Crowd(Robot):
         queues, sits = np.flatnonzero(self.mode == QUEUES), np.flatnonzero(self.mode == SITS)
         wanted[queues] = steps_to(position[queues], self.target[queues])
         # seated people look to where they came from
-        for row in sits.tolist():
-            free = self.ground.nearest_free(self.target[row], _BESIDE)
-            away = np.zeros(2) if free is None else free - self.target[row]
-            far = math.hypot(*away.tolist())
-            wanted[row] = away / far if far > self.ground.cell else 0.0
+        away = self.came[sits] - np.where(self._leaves(sits)[:, None], position[sits], self.target[sits])
+        wanted[sits] = away / np.maximum(length(away), HERE)[:, None]
         sent = np.flatnonzero(self.mode == SENT)
         for target in np.unique(self.target[sent], axis=0):
             rows = sent[(self.target[sent] == target).all(axis=1)]
@@ -573,7 +577,7 @@ class Crowd(Robot):
         """Set the bodies and the data."""
         walkers, data = self.walkers, self.local_data
         here = length(walkers.position - self.target) < HERE
-        sits = (self.mode == SITS) & here
+        sits = (self.mode == SITS) & here & ~self._leaves(np.arange(self._count))
         self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, self._floor, sits))
         changed = np.flatnonzero(self._shown != walkers.present)
         if len(changed):
@@ -736,7 +740,10 @@ class Crowd(Robot):
                 for name in ("position", "velocity", "free_speed", "group", "present", "planned")
             },
             **{name: getattr(gait, name) for name in ("phase", "stride", "feet", "heading", "stands")},
-            **{name: getattr(self, name) for name in ("flow", "stage", "mode", "until", "target", "rank", "alert")},
+            **{
+                name: getattr(self, name)
+                for name in ("flow", "stage", "mode", "until", "target", "came", "rank", "alert")
+            },
         }
 
     def get_state(self) -> StateData:
@@ -776,7 +783,9 @@ class Crowd(Robot):
         flow, stage, group, lag = people["flow"], people["stage"], people["group"], people["lag"]
         stages = np.array([max(len(one["ways"]), 1) for one in self._flows] + [1])
         heading = people["heading"]
-        near = all(np.abs(people[name]).max(initial=0.0) < 1e6 for name in ("position", "feet", "target", "planned"))
+        near = all(
+            np.abs(people[name]).max(initial=0.0) < 1e6 for name in ("position", "feet", "target", "came", "planned")
+        )
         bounds = {"mode": (0, len(_WORDS) - 1), "stride": (0.05, 5.0), "free_speed": (0.0, 20.0), "alert": (0.0, 1.0)}
         within = all(((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in bounds.items())
         return bool(
