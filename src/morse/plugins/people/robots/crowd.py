@@ -63,11 +63,7 @@ _Person = Annotated[int, Range(0, 5000)]
 
 
 def _json(crowd: Crowd, name: str, text: str, kind: type) -> Any:
-    """Return the value of a property that the script has written.
-
-    Raises:
-        MorseError: it is not JSON, or of another kind.
-    """
+    """Return the value of a property that the script has written; raise `MorseError` if it is of another kind."""
     try:
         value = json.loads(text)
     except (ValueError, RecursionError) as error:
