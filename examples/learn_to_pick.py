@@ -135,12 +135,12 @@ def film(weights, path):
     seen, _ = envs.reset(seed=9)
     for number in range(LENGTH - 1):
         seen, *_ = envs.step(learn_to_drive.scaled(actions(weights, seen), low, high))
-        if number % 2 == 0:
+        if number % 3 == 0:
             view = {"location": [1.1, -0.8, 0.7], "rotation": [1.2, 0.0, 0.8]}
-            pictures.append(task.many[0].picture(480, 360, **view))
+            pictures.append(task.many[0].picture(600, 400, **view))
     envs.close()
     first, *others = [Image.fromarray(one) for one in pictures]
-    first.save(path, save_all=True, append_images=others, duration=67, loop=0, quality=45, method=6)
+    first.save(path, save_all=True, append_images=others, duration=100, loop=0, quality=35, method=6)
 
 
 def main(arguments=None):
