@@ -1,6 +1,7 @@
 """Pictures and rays of MuJoCo models, in turn with `mujoco.Renderer` and `mujoco.mj_multiRay`, in processor time.
 
     python -m benchmarks.programs.eyes                      # the models of Gymnasium
+    python -m benchmarks.programs.eyes --scenes             # the 25 models of `benchmarks.programs.looks`
     python -m benchmarks.programs.eyes --packages gymnasium dm_control gymnasium_robotics robosuite
     python -m benchmarks.programs.eyes scenes/*.xml         # others
     MUJOCO_GL=osmesa python -m benchmarks.programs.eyes     # another OpenGL in software
@@ -13,7 +14,6 @@ in more than 1 %, do not count, and are named.
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
 import os
 import statistics
@@ -28,6 +28,7 @@ import mujoco
 import numpy as np
 
 import morse
+from benchmarks.programs.looks import SCENES, folder_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -229,12 +230,13 @@ def models_of_packages(names: list[str]) -> list[str]:
     """The models that packages have."""
     files: list[str] = []
     for name in names:
-        found = importlib.util.find_spec(name)
-        if found is None or not found.submodule_search_locations:
-            raise SystemExit(f"{name} is not installed: install it, or name MJCF files.")
-        folder = Path(found.submodule_search_locations[0])
-        files += [str(file) for pattern in _PACKAGES[name] for file in folder.glob(pattern)]
+        files += [str(file) for pattern in _PACKAGES[name] for file in folder_of(name).glob(pattern)]
     return files
+
+
+def scenes() -> list[str]:
+    """The models of `benchmarks.programs.looks`."""
+    return [str(folder_of(package) / name) for package, name in SCENES]
 
 
 def main() -> None:
@@ -242,13 +244,17 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("files", nargs="*", help="MJCF files (default: those of Gymnasium)")
     parser.add_argument("--packages", nargs="+", default=["gymnasium"], choices=list(_PACKAGES), help="whose models")
+    parser.add_argument(
+        "--scenes", action="store_true", help="25 models of four packages, see benchmarks.programs.looks"
+    )
     parser.add_argument("--each", action="store_true", help="print each scene, too")
     given = parser.parse_args()
     why = why_no_opengl()
     print(f"mujoco.Renderer cannot be created, {why}" if why else f"mujoco.Renderer: {os.environ['MUJOCO_GL']}")
     total: dict[str, list[list[float]]] = {}
     grown = []
-    for file in sorted(given.files or models_of_packages(given.packages)):
+    files = given.files or (scenes() if given.scenes else models_of_packages(given.packages))
+    for file in sorted(files):
         try:
             scene = Scene(file, not why)
             found = measurements(scene)

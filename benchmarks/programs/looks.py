@@ -45,6 +45,14 @@ SCENES = [
 ]
 
 
+def folder_of(package: str) -> Path:
+    """The folder of a package."""
+    found = importlib.util.find_spec(package)
+    if found is None or not found.submodule_search_locations:
+        raise SystemExit(f"{package} is not installed: install it, or name MJCF files.")
+    return Path(found.submodule_search_locations[0])
+
+
 def picture(renderer: Any, data: Any, camera: int) -> NDArray[np.uint8]:
     """A picture of a state."""
     renderer.update_scene(data, camera)
@@ -79,10 +87,7 @@ def main() -> None:
     given = parser.parse_args()
     rows, ratios = [], []
     for package, name in SCENES:
-        found = importlib.util.find_spec(package)
-        if found is None or not found.submodule_search_locations:
-            raise SystemExit(f"{package} is not installed.")
-        pictures, ratio = row(Path(found.submodule_search_locations[0]) / name)
+        pictures, ratio = row(folder_of(package) / name)
         print(f"{package}/{name}: {ratio:.1f} dB", flush=True)
         rows.append(pictures)
         ratios.append(ratio)

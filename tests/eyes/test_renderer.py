@@ -487,6 +487,22 @@ def test_geoms_are_read_where_they_are_in_memory() -> None:
             assert np.array_equal(np.ravel(row[name]), np.ravel(getattr(geom, name))), name
 
 
+def test_normals_of_meshes_count_where_they_are_nearly_those_of_triangles() -> None:
+    def code(degrees: float) -> int:
+        tilt = f"{np.sin(np.radians(degrees))} 0 {np.cos(np.radians(degrees))} " * 5
+        asset = (
+            '<mesh name="m" inertia="shell" vertex="-1 -1 0 1 -1 0 1 1 0 -1 1 0 0 0 -1" '
+            'face="0 1 2 0 2 3 1 0 4 2 1 4 3 2 4 0 3 4" '
+            f'normal="{tilt}"/><material name="w" rgba="1 1 1 1" specular="0"/>'
+        )
+        head = '<headlight ambient="0 0 0" diffuse=".8 .8 .8" specular="0 0 0"/>'
+        return int(_picture(_world('<geom type="mesh" mesh="m" material="w"/>', head, asset))[32, 32, 0])
+
+    assert code(30.0) == pytest.approx(204 * np.cos(np.radians(30.0)), abs=2)
+    for against in (50.0, 120.0, 180.0):
+        assert code(against) == pytest.approx(204, abs=2)
+
+
 def test_geoms_of_versions_without_textures_have_those_of_their_materials() -> None:
     asset = (
         '<texture name="a" type="2d" builtin="flat" width="4" height="4"/><texture name="b" type="cube" '

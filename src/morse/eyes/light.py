@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 _SPOT, _DIRECTIONAL, _POINT, _IMAGE = range(4)
 #: widest half angle of the shadow map of a light, rad
 _WIDEST = 1.4
+#: how much finer maps around what casts shadows may be
+_FINER = 2.0
 #: texels at the border of a map
 _BORDER = 4
 
@@ -99,10 +101,11 @@ class ShadowMaps:
 
     Args:
         texels: along the side of a map.
+        finest: the same of MuJoCo's own, which are around all that a light shines at.
     """
 
-    def __init__(self, texels: int) -> None:
-        self._texels = texels
+    def __init__(self, texels: int, finest: int) -> None:
+        self._texels, self._finest = texels, finest
         self._maps: list[tuple[object, NDArray[np.float32], NDArray[np.float32]]] = []
 
     def map_of(
@@ -141,6 +144,10 @@ class ShadowMaps:
             self._maps[number : number + 1] = [(same, *drawn)]
         return drawn
 
+    def _texel(self, usual: float, side: float, whole: float) -> float:
+        """The size of a texel of a map that is a part of another one, which may be finer, but not than MuJoCo's."""
+        return max(usual / _FINER, side / (self._texels - 2 * _BORDER), whole / self._finest)
+
     def _from_afar(
         self,
         light: Lit,
@@ -159,9 +166,10 @@ class ShadowMaps:
         texel = float((high - low).max()) / (self._texels - 2 * _BORDER)
         if casters is not None:
             middles = matmul(casters[:, :3] - light.place, axes[:2].T)
-            low, high = _within(low, high, middles - casters[:, 3:], middles + casters[:, 3:], texel)
+            low, high = _within(low, high, middles - casters[:, 3:], middles + casters[:, 3:])
             if not (high > low).all():
                 return None
+            texel = self._texel(texel, float((high - low).max()), 2 * scale)
         frame = np.zeros(16)
         frame[:12] = np.column_stack([axes, np.zeros(3)]).ravel()
         for row in range(2):
@@ -209,9 +217,10 @@ class ShadowMaps:
                     side / np.where(sign * side > 0.0, near[ahead], far[ahead])
                     for side, sign in ((left, -1.0), (right, 1.0))
                 )
-                low, high = _within(low, high, left, right, 1 / focal)
+                low, high = _within(low, high, left, right)
             if not (high > low).all():
                 return None
+            focal = 1 / self._texel(1 / focal, float((high - low).max()), 2 * math.tan(angle))
         width, height = (min(int(side * focal) + 2 * _BORDER + 1, self._texels) for side in high - low)
         cx, cy = _BORDER - low * focal
         camera = np.zeros(1, CAMERA)
@@ -230,17 +239,10 @@ class ShadowMaps:
 
 
 def _within(
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    lows: NDArray[np.float64],
-    highs: NDArray[np.float64],
-    texel: float,
+    low: NDArray[np.float64], high: NDArray[np.float64], lows: NDArray[np.float64], highs: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The part of a map that is around some rectangles (C, 2), and the distance of whole texels from its first one."""
-    if not len(lows):
-        return high, low
-    first = np.maximum(low, low + np.floor((lows.min(axis=0) - low) / texel) * texel)
-    return first, np.minimum(high, highs.max(axis=0) + texel)
+    """The part of a map that is around some rectangles (C, 2)."""
+    return (np.maximum(low, lows.min(axis=0)), np.minimum(high, highs.max(axis=0))) if len(lows) else (high, low)
 
 
 def _axes_of(towards: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -159,7 +159,8 @@ class Artist:
         self._kinds = np.array(model.tex_type, np.int32)
         self._kinds_of_flexes = np.array(getattr(model, "flex_dim", ()), np.int32)
         self._skies = np.flatnonzero(self._kinds == SKY)
-        self._maps = ShadowMaps(min(max(texels, _FEWEST_TEXELS), _MOST_TEXELS, int(model.vis.quality.shadowsize)))
+        finest = max(int(model.vis.quality.shadowsize), 1)
+        self._maps = ShadowMaps(min(max(texels, _FEWEST_TEXELS), _MOST_TEXELS, finest), finest)
         self._look = Look(plain=self._plain)
         self._of: bytes | None = None
         self._instances: Instances | None = None
@@ -241,6 +242,8 @@ class Artist:
                     unseen = _from_behind(g, mirrored.eye)
                     unseen[number] = True
                     others = solid[~unseen[instances.geoms[solid[:, 1]]]]
+                    if not len(others):
+                        continue
                     image = drawn(others, mirrored.cut(_mirrored(box, view)), dim)
                     picture.reflect(image, box, chosen, float(g["reflectance"][number]))
         for numbers, box in layers:

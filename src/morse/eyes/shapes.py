@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+#: of the angle between the normal of a vertex and that of its triangle, from which on the former is used
+_LEAST_COSINE = 0.8
 #: lines of the grid of an infinite plane, in units of its spacing: fine near the camera
 _GRID_LINES = (*range(13), 14, 16, 20, 24, 32, 40, 50, 60, 80, 100)
 #: number of spacings from the middle of an infinite plane to its border
@@ -204,13 +206,15 @@ def surface_mesh(
 ) -> Triangles:
     """Return a mesh of MuJoCo with one material."""
     faces = np.ascontiguousarray(faces, np.int32).reshape(-1, 3)
-    if normals is None or not len(normals):
-        corners = vertices[faces].astype(np.float64)
-        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-30)
-        own = np.repeat(flat[:, None], 3, axis=1).astype(np.float32)
-    else:
-        own = normals[faces if normal_index is None else normal_index]
+    corners = vertices[faces].astype(np.float64)
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-30)
+    own = np.repeat(flat[:, None], 3, axis=1)
+    if normals is not None and len(normals):
+        given = normals[faces if normal_index is None else normal_index]
+        # MuJoCo takes normals only where they are nearly those of the triangle
+        own = np.where(((given * own).sum(axis=2) >= _LEAST_COSINE)[..., None], given, own)
+    own = own.astype(np.float32)
     at = None
     if uvs is not None and len(uvs):
         at = np.ascontiguousarray(uvs[faces if uv_index is None else uv_index], np.float32)
