@@ -214,11 +214,12 @@ def surface_mesh(
         given = normals[faces if normal_index is None else normal_index]
         # MuJoCo takes normals only where they are nearly those of the triangle
         own = np.where(((given * own).sum(axis=2) >= _LEAST_COSINE)[..., None], given, own)
-    own = own.astype(np.float32)
     at = None
     if uvs is not None and len(uvs):
         at = np.ascontiguousarray(uvs[faces if uv_index is None else uv_index], np.float32)
-    return Triangles(np.ascontiguousarray(vertices, np.float32), faces, own, at, np.zeros(len(faces), np.int32))
+    return Triangles(
+        np.ascontiguousarray(vertices, np.float32), faces, own.astype(np.float32), at, np.zeros(len(faces), np.int32)
+    )
 
 
 def height_field(elevation: NDArray[np.float32], size: NDArray[np.float64]) -> Triangles:
