@@ -256,8 +256,7 @@ class Fit:
             spreads = spreads_of(matrix) * self._scales
             better = None
             for _ in range(6):
-                change = _solved(matrix, side, damping, vague) * self._scales
-                goal = np.clip(here.values + change, self._lows, self._highs)
+                goal = self._goal(here.values, matrix, side, damping, vague)
                 if not self._is_worth_it(goal - here.values, spreads):
                     break
                 better = self._tried(goal, here, horizon)
@@ -272,6 +271,21 @@ class Fit:
             known = np.where(np.isfinite(spreads), spreads, self._scales)
             self._differences = np.clip(0.3 * known, _FINEST * self._scales, _COARSEST * self._scales)
         return here, information
+
+    def _goal(self, values: Floats, matrix: Floats, side: Floats, damping: float, vague: float) -> Floats:
+        """The next values: those that would leave their range stay, and the others are solved without them."""
+        free = np.ones(len(values), bool)
+        goal = values
+        for _ in range(len(values)):
+            change = np.zeros(len(values))
+            inner = np.flatnonzero(free)
+            change[inner] = _solved(matrix[np.ix_(inner, inner)], side[inner], damping, vague)
+            goal = values + change * self._scales
+            outside = free & ((goal < self._lows) | (goal > self._highs))
+            if not outside.any() or outside.sum() == free.sum():
+                break
+            free &= ~outside
+        return np.clip(goal, self._lows, self._highs)
 
     def _weigh(self, here: Point) -> Point:
         """Let each channel count by the errors that are left of it."""
