@@ -80,7 +80,7 @@ def test_joints_move_about_their_axes(tmp_path) -> None:
     joints = world.object_of(root.children[0]).joints()
     for name, value in {"shoulder": 0.3, "elbow": 0.7, "inner::wrist": -0.6}.items():
         joints.positions((name,))
-        world.data.qpos[joints._qpos[0]] = value
+        world.data.qpos[joints._qpos] = value
     mujoco.mj_kinematics(world.model, world.data)
     world.sync()
     # the canonical link stays, and with it the frame of the model; all is computed relative to it

@@ -11,11 +11,10 @@ from morse.assets.search import find_file
 from morse.builder.components.robot import Robot
 from morse.builder.errors import checks
 from morse.builder.names.frames import source_line
-from morse.plugins.people.errands import check_schedule
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
 #: most people of a crowd
 _MOST = 5000
@@ -261,7 +260,7 @@ def _plan(goals: Iterable[object], then: str | Iterable[object], wait: float, wh
         return {"goals": found, "then": checks.choice(then, _ENDS, f"{what}(then)"), "wait": pause}
     if not hasattr(then, "__iter__"):
         raise TypeError(f"{what}(then) takes {', '.join(_ENDS)} or a list of (time, goals), got {checks.shown(then)}")
-    later = check_schedule(then, what, lambda places, end: _plan(places, end, wait, what))
+    later = _schedule(then, what, lambda places, end: _plan(places, end, wait, what))
     return {"goals": found, "then": "stay", "wait": pause, "later": later}
 
 
@@ -308,3 +307,25 @@ def _size(points: Sequence[Sequence[float]]) -> float:
     for (x, y), (u, v) in zip(points, [*points[1:], points[0]], strict=True):
         total += x * v - u * y
     return math.fabs(total) / 2.0
+
+
+def _schedule(entries: Iterable[object], what: str, plan: Callable[[Any, str], dict[str, Any]]) -> list[Any]:
+    """Return the entries of a schedule: (time, goals) or (time, goals, then), with times that increase.
+
+    Raises:
+        ValueError: an entry is none of these.
+    """
+    found: list[dict[str, Any]] = []
+    for entry in entries:
+        items = list(entry) if isinstance(entry, tuple | list) else []
+        if len(items) not in (2, 3) or (len(items) == 3 and not isinstance(items[2], str)):
+            raise ValueError(
+                f"{what}(then) takes entries (time, goals) or (time, goals, then), got {checks.shown(entry)}"
+            )
+        at = checks.number(items[0], f"{what}(then)", minimum=0.0, maximum=1e6)
+        if found and at <= found[-1]["at"]:
+            raise ValueError(f"{what}(then): the times of a schedule increase, got {at:g} after {found[-1]['at']:g}")
+        found.append({"at": at, **plan(items[1], items[2] if len(items) == 3 else "stay")})
+    if not found:
+        raise ValueError(f"{what}(then) takes at least one entry (time, goals)")
+    return found

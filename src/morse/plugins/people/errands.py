@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
     from numpy.typing import NDArray
 
     from morse.plugins.people.wayfinding import Ground, Way
@@ -97,27 +95,3 @@ def sit_down(position: Floats, target: Floats, seconds: float) -> Floats:
     far = np.maximum(np.sqrt((apart * apart).sum(axis=1)), 1e-9)
     moved: Floats = position + apart * np.minimum(_SITS_DOWN * seconds / far, 1.0)[:, None]
     return moved
-
-
-def check_schedule(entries: Iterable[object], what: str, plan: Callable[[Any, str], dict[str, Any]]) -> list[Any]:
-    """Return the entries of a schedule: (time, goals) or (time, goals, then), with times that increase.
-
-    Raises:
-        ValueError: an entry is none of these.
-    """
-    from morse.builder.errors import checks
-
-    found: list[dict[str, Any]] = []
-    for entry in entries:
-        items = list(entry) if isinstance(entry, tuple | list) else []
-        if len(items) not in (2, 3) or (len(items) == 3 and not isinstance(items[2], str)):
-            raise ValueError(
-                f"{what}(then) takes entries (time, goals) or (time, goals, then), got {checks.shown(entry)}"
-            )
-        at = checks.number(items[0], f"{what}(then)", minimum=0.0, maximum=1e6)
-        if found and at <= found[-1]["at"]:
-            raise ValueError(f"{what}(then): the times of a schedule increase, got {at:g} after {found[-1]['at']:g}")
-        found.append({"at": at, **plan(items[1], items[2] if len(items) == 3 else "stay")})
-    if not found:
-        raise ValueError(f"{what}(then) takes at least one entry (time, goals)")
-    return found
