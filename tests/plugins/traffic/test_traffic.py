@@ -10,6 +10,7 @@ import pytest
 import morse
 from morse.core.state import StateError
 from morse.plugins.traffic.driving import Driver, advance
+from morse.plugins.traffic.roads import Road
 from tests.kit.scenes import Load, script
 
 GROUND = """
@@ -367,3 +368,79 @@ def test_traffic_without_cars_or_roads(load: Load):
     state = simulation.save()
     simulation.restore(state)
     assert not simulation.failures
+
+
+def test_lanes_beside_the_middle_have_no_gaps_at_corners(load: Load):
+    """No car moves farther in a tick than its speed allows, on lanes that are longer or shorter than the middle."""
+    ring = "[(0, 0), (60, 0), (90, 40), (20, 80)], 8, closed=True, lanes=3, speed=10.0"
+    scene = f"cars = Traffic()\ncars.road('ring', {ring})"
+    simulation = load(scene + EMPTY)
+    before = simulation.cars.data["positions"].copy()
+    for _ in range(900):
+        simulation.step(1)
+        data = simulation.cars.data
+        way = np.linalg.norm(data["positions"] - before, axis=1)
+        assert (way < 1.3 * data["speeds"] / 60.0 + 1e-3).all()
+        before = data["positions"].copy()
+
+
+def test_a_lane_keeps_its_distance_to_the_middle_of_the_road():
+    road = Road(np.array([(0.0, 0.0), (50.0, 0.0), (80.0, 40.0), (80.0, 90.0)]), 2, 3.5, closed=False)
+    along = np.linspace(0.0, road.length, 300)
+    for left in (-1.75, 1.75):
+        points, _ = road.places(along, np.full(300, left))
+        assert np.abs(road.project(points)[1] - left).max() < 0.25
+        assert np.linalg.norm(np.diff(points, axis=0), axis=1).max() < 1.2 * road.length / 299
+
+
+def test_cars_wait_behind_a_truck_of_other_traffic(load: Load):
+    """IDM comes to rest s0 behind the rear of what is 12 m long, whichever component moves it."""
+    scene = (
+        "trucks = Traffic(trucks=1.0)\ntrucks.road('one', [(0, 0), (300, 0)], 1, over=0.1)\n"
+        "beside = Traffic(trucks=1.0)\nbeside.road('next', [(0, 3.5), (300, 3.5)], 1, over=0.1)\n"
+        "cars = Traffic()\ncars.road('same', [(0, 0), (300, 0)], 1, over=20.0)"
+    )
+    simulation = load(scene + EMPTY)
+    until(simulation, lambda: simulation.trucks.data["places"][0] > 80.0)
+    simulation.trucks.hold()
+
+    def stands() -> bool:
+        # a truck beside the lane stops nobody
+        assert np.isinf(simulation.beside.data["gaps"]).all()
+        return bool(simulation.cars.data["present"][0] and simulation.cars.data["speeds"][0] < 0.01)
+
+    until(simulation, stands, 120.0)
+    rear = float(simulation.trucks.data["places"][0]) - 12.0
+    assert float(simulation.cars.data["places"][0]) == pytest.approx(rear - 2.0, abs=0.3)
+
+
+def test_cars_of_a_road_that_crosses_itself_wait_for_each_other(load: Load):
+    scene = "cars = Traffic()\ncars.road('eight', [(0, 0), (100, 100), (100, 0), (0, 100)], 6, closed=True, speed=8.0)"
+    simulation = load(scene + EMPTY)
+    cars = simulation.context.robots["cars"]
+    # the middle of the first part is also that of the third
+    middle = 50.0 * math.sqrt(2.0)
+    until(simulation, lambda: bool((np.abs(cars.front - middle - 2.3) < 0.2).any()))
+    held = int(np.abs(cars.front - middle - 2.3).argmin())
+    cars.hold(held)
+    cars.speed[held] = 0.0
+    simulation.step(60 * 40)
+    positions = simulation.cars.data["positions"][:, :2]
+    apart = np.linalg.norm(positions - positions[held], axis=1)
+    assert sorted(apart)[1] > 0.5 * (4.6 + 1.8)
+    assert (cars.speed < 0.01).all()
+
+
+def test_a_restored_state_has_the_gaps_of_its_time(load: Load):
+    simulation = load(SCENE + EMPTY, seed=2)
+    simulation.step(100)
+    state, gaps = simulation.save(), simulation.cars.data["gaps"].copy()
+    simulation.step(100)
+    simulation.restore(state)
+    assert np.isinf(gaps).any()
+    assert (simulation.cars.data["gaps"] == gaps).all()
+
+
+def test_cars_that_are_placed_on_their_roads_do_not_overlap_a_robot_at_the_origin(load: Load, caplog):
+    load(ROBOT.format(place="0, 0") + "cars = Traffic()\ncars.road('r', [(-40, 20), (60, 20)], 3)" + GROUND + EMPTY)
+    assert "overlap" not in caplog.text

@@ -8,7 +8,7 @@ origin of many robots with legs is in their trunk; at height 0 their legs are be
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
@@ -42,7 +42,7 @@ def overlaps(state: EngineState) -> tuple[tuple[str, SourceLine | None], str]:
     serious, others = dict[tuple[str, str], float](), dict[tuple[str, str], float]()
     lines: dict[tuple[str, str], SourceLine | None] = {}
     of_files = False
-    contact = state.data.contact
+    contact = _contacts(state)
     for (a, b), distance in zip(contact.geom.tolist(), contact.dist.tolist(), strict=True):
         frames = _frame(state, a), _frame(state, b)
         pair = (_name(frames[0], state.geom_node[a]), _name(frames[1], state.geom_node[b]))
@@ -62,6 +62,19 @@ def overlaps(state: EngineState) -> tuple[tuple[str, SourceLine | None], str]:
     line = None if deepest is None else lines[deepest]
     speed = "; those of MJCF files part as fast as in MuJoCo" if of_files else ""
     return (_message(serious, f"{speed}; move one object of each pair"), line), _message(others, "")
+
+
+def _contacts(state: EngineState) -> Any:
+    """Return the contacts at the poses that components have given to bodies since the model was compiled.
+
+    They are those of a copy: the first tick begins with the contacts of the model.
+    """
+    if not state.touched:
+        return state.data.contact
+    data = mujoco.MjData(state.model)
+    data.qpos[:], data.mocap_pos[:], data.mocap_quat[:] = state.data.qpos, state.data.mocap_pos, state.data.mocap_quat
+    mujoco.mj_fwdPosition(state.model, data)
+    return data.contact
 
 
 def _message(depths: dict[tuple[str, str], float], advice: str) -> str:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 #: m, between axles, as a share of the length
 _WHEELBASE = 0.58
 WIDTH, HEIGHT = 1.8, 1.45
+#: m along a road: parts of it that are nearer to each other do not cross
+_NEAR = 20.0
 _PAINTS = (
     *((0.75, 0.76, 0.78), (0.12, 0.12, 0.13), (0.55, 0.08, 0.07), (0.1, 0.2, 0.42), (0.85, 0.85, 0.83)),
     *((0.3, 0.33, 0.36), (0.16, 0.3, 0.2), (0.7, 0.55, 0.2)),
@@ -44,18 +46,32 @@ class Road:
         self._ways = ways / self._lengths[:, None]
         self._begins = np.concatenate([[0.0], np.add.accumulate(self._lengths)])
         self.length = float(self._begins[-1])
+        # lanes beside the middle meet in the bisectors of its corners; beyond 120 degrees, they cut the corner
+        left = np.stack([-self._ways[:, 1], self._ways[:, 0]], axis=1)
+        before = np.concatenate([left[-1:] if closed else left[:1], left])
+        after = np.concatenate([left, left[:1] if closed else left[-1:]])
+        turn = np.maximum(1.0 + (before * after).sum(axis=1), 0.5)
+        self._corners = np.where((before == after).all(axis=1)[:, None], before, (before + after) / turn[:, None])
 
     def offset(self, lane: Floats) -> Floats:
         """Return the distances (N,) of lanes to the left of the middle, m."""
         return np.asarray((lane - 0.5 * (self.lanes - 1)) * self.width)
 
-    def places(self, along: Floats) -> tuple[Floats, Floats]:
-        """Return points (N, 2), m, and directions (N, 2) of places along the middle, straight on beyond its ends."""
+    def places(self, along: Floats, left: Floats | float = 0.0) -> tuple[Floats, Floats]:
+        """Return points (N, 2), m, and directions (N, 2) of places along the road, straight on beyond its ends.
+
+        Args:
+            along: (N,) places along the middle, m.
+            left: (N,) distances to the left of it, m; lines at a distance have no gaps at corners.
+        """
         if self.closed:
             along = along - np.floor(along / self.length) * self.length
         part = np.clip(np.searchsorted(self._begins, along, side="right") - 1, 0, len(self._lengths) - 1)
         ways = self._ways[part]
-        return self.points[part] + (along - self._begins[part])[:, None] * ways, ways
+        way = along - self._begins[part]
+        share = np.clip(way / self._lengths[part], 0.0, 1.0)[:, None]
+        across = self._corners[part] + share * (self._corners[part + 1] - self._corners[part])
+        return self.points[part] + way[:, None] * ways + np.asarray(left)[..., None] * across, ways
 
     def poses(self, along: Floats, left: Floats, drift: Floats, length: Floats) -> tuple[Floats, Floats]:
         """Return the middles (N, 2), m, and the directions (N, 2) of cars.
@@ -67,24 +83,33 @@ class Road:
             length: (N,) of the cars, m.
         """
         middle, half = along - 0.5 * length, 0.5 * _WHEELBASE * length
-        axles = []
-        for sign in (1.0, -1.0):
-            place, way = self.places(middle + sign * half)
-            shift = left + sign * half * drift
-            axles.append(place + shift[:, None] * np.stack([-way[:, 1], way[:, 0]], axis=1))
-        apart = axles[0] - axles[1]
-        return 0.5 * (axles[0] + axles[1]), apart / np.sqrt((apart * apart).sum(axis=1))[:, None]
+        front, rear = (self.places(middle + way, left + way * drift)[0] for way in (half, -half))
+        apart = front - rear
+        return 0.5 * (front + rear), apart / np.sqrt((apart * apart).sum(axis=1))[:, None]
 
-    def project(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+    def project(self, points: Floats, beside: Floats | None = None) -> tuple[Floats, Floats, Floats]:
         """Return the places (M,) of points along the road, m, their distances (M,) to its left, m, and its directions.
 
         The distance of a point beyond an end is infinite.
+
+        Args:
+            points: (M, 2), m.
+            beside: (M,) places along the road, m; only parts of the road that are not near them count, such as those
+                that cross it there.
         """
         apart = points[:, None, :] - self.points[None, :-1]
         along = (apart * self._ways).sum(axis=2)
         inside = np.clip(along, 0.0, self._lengths)
         off = apart - inside[:, :, None] * self._ways
-        best = (off * off).sum(axis=2).argmin(axis=1)
+        squares = (off * off).sum(axis=2)
+        if beside is not None:
+            ahead, behind = self._begins[:-1] - beside[:, None], beside[:, None] - self._begins[1:]
+            away = np.maximum(ahead, behind)
+            if self.closed:
+                around = np.minimum(ahead % self.length, behind % self.length)
+                away = np.where(away > 0.0, around, away)
+            squares = np.where(away < _NEAR, np.inf, squares)
+        best = squares.argmin(axis=1)
         rows = np.arange(len(points))
         way = self._ways[best]
         side = way[:, 0] * apart[rows, best, 1] - way[:, 1] * apart[rows, best, 0]
@@ -93,6 +118,7 @@ class Road:
             beyond = (along[rows, best] < -1e-9) & (best == 0)
             beyond |= (along[rows, best] > self._lengths[best] + 1e-9) & (best == len(self._lengths) - 1)
             side = np.where(beyond, np.inf, side)
+        side = np.where(np.isfinite(squares[rows, best]), side, np.inf)
         # at a corner, the nearest point is the corner itself
         distance = np.sqrt((off[rows, best] ** 2).sum(axis=1))
         return place, np.where(np.isfinite(side), np.where(side < 0.0, -distance, distance), side), way

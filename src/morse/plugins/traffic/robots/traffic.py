@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -44,6 +44,30 @@ _ABOVE = 3.0
 _STOPS = ("red", "red-yellow")
 
 _Car = Annotated[int, Range(-1, 10_000)]
+
+
+class Bodies(NamedTuple):
+    """What is on, or beside, roads.
+
+    Attributes:
+        points: (M, 2) of their middles, m.
+        half: (M, 2) half of their length and of their width, m.
+        ways: (M, 2) directions of their lengths; 0 for what takes that room in all directions.
+        velocities: (M, 2) m/s.
+    """
+
+    points: Floats
+    half: Floats
+    ways: Floats
+    velocities: Floats
+
+    def seen_along(self, way: Floats) -> Floats:
+        """Return half of their extents (M, 2) along directions (M, 2), and across them, m."""
+        cosine = np.abs((self.ways * way).sum(axis=1))
+        sine = np.abs(self.ways[:, 0] * way[:, 1] - self.ways[:, 1] * way[:, 0])
+        long, wide = self.half.T
+        turned = np.stack([cosine * long + sine * wide, sine * long + cosine * wide], axis=1)
+        return np.where((self.ways != 0.0).any(axis=1)[:, None], turned, self.half)
 
 
 class Traffic(Robot):
@@ -109,7 +133,7 @@ class Traffic(Robot):
             (self._names.index(road), place, light) for road, place, light in json.loads(self._stop_lines)
         ]
         self._crossings = [
-            [other for other in range(len(self._roads)) if other != number and self._cross(number, other)]
+            [other for other in range(len(self._roads)) if self._cross(number, other)]
             for number in range(len(self._roads))
         ]
         self._length = np.array(json.loads(self._sizes), dtype=np.float64)
@@ -136,11 +160,11 @@ class Traffic(Robot):
         self._show()
 
     def _cross(self, number: int, other: int) -> bool:
-        """Whether two roads come so near to each other that cars may meet."""
+        """Whether two roads, or parts of one, come so near to each other that cars may meet."""
         one, two = self._roads[number], self._roads[other]
         along = np.arange(0.0, one.length, 1.0)
         reach = 0.5 * (one.width * one.lanes + two.width * two.lanes) - 0.5
-        left = two.project(one.places(along)[0])[1]
+        left = two.project(one.places(along)[0], along if one is two else None)[1]
         return bool((np.abs(left) < reach).any())
 
     def _settle(self, number: int, over: float) -> None:
@@ -243,26 +267,31 @@ class Traffic(Robot):
         lane = begin + np.concatenate([self.lane[there], self.before[moves]])
         front = self.front[both]
         parts = [(lane, front, front - self._length[both], self.speed[both], both)]
-        points, half, velocities = self._others()
-        for number, road in enumerate(self._roads):
-            own_points, own_half, own_velocities = points, half, velocities
-            for other in self._crossings[number]:
+        others = self._others()
+        for number, crossings in enumerate(self._crossings):
+            if len(others.points):
+                parts += self._on_road(number, others)
+            for other in crossings:
                 cars = np.flatnonzero(self.there & (self.road == other))
                 if len(cars):
-                    own_points = np.concatenate([own_points, self.local_data["positions"][cars, :2]])
-                    size = np.stack([0.5 * self._length[cars], np.full(len(cars), 0.5 * WIDTH)], axis=1)
-                    own_half = np.concatenate([own_half, np.broadcast_to(size.max(axis=1)[:, None], size.shape)])
-                    own_velocities = np.concatenate([own_velocities, self.local_data["velocities"][cars, :2]])
-            if len(own_points):
-                parts += self._on_road(number, road, own_points, own_half, own_velocities)
+                    crossing = self.bodies(cars)
+                    parts += self._on_road(number, crossing, self.front[cars] if other == number else None)
         return sort(*(np.concatenate(values) for values in zip(*parts, strict=True)))
 
+    def bodies(self, cars: NDArray[np.int64]) -> Bodies:
+        """Return the room that some of the cars take."""
+        data = self.local_data
+        half = np.stack([0.5 * self._length[cars], np.full(len(cars), 0.5 * WIDTH)], axis=1)
+        return Bodies(data["positions"][cars, :2], half, self._ways[cars], data["velocities"][cars, :2])
+
     def _on_road(
-        self, number: int, road: Road, points: Floats, half: Floats, velocities: Floats
+        self, number: int, bodies: Bodies, beside: Floats | None = None
     ) -> list[tuple[NDArray[np.int64], Floats, Floats, Floats, NDArray[np.int64]]]:
-        """Return what stands or moves on the lanes of a road, besides its cars."""
-        place, left, way = road.project(points)
-        along = (velocities * way).sum(axis=1)
+        """Return what stands or moves on the lanes of a road, besides its cars; ``beside``: see `Road.project`."""
+        road = self._roads[number]
+        place, left, way = road.project(bodies.points, beside)
+        along = (bodies.velocities * way).sum(axis=1)
+        half = bodies.seen_along(way)
         found = []
         for lane in range(road.lanes):
             middle = float(road.offset(np.array(float(lane))))
@@ -273,11 +302,9 @@ class Traffic(Robot):
                 found.append((lanes, front, front - 2.0 * half[on, 0], along[on], np.full(len(lanes), -1)))
         return found
 
-    def _others(self) -> tuple[Floats, Floats, Floats]:
-        """Return the places (M, 2) of robots and people near the height of the roads, half of their room (M, 2), m, and
-        their velocities (M, 2), m/s.
-        """
-        points, half, velocities = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros((0, 2))]
+    def _others(self) -> Bodies:
+        """Return the robots and people near the height of the roads, and the cars of other components."""
+        found = [Bodies(*(np.zeros((0, 2)) for _ in range(4)))]
         for robot in self.context.robots.values():
             data = robot.local_data
             if robot is self or data.get("openness") == 1.0:
@@ -286,18 +313,19 @@ class Traffic(Robot):
                 near = np.asarray(data["present"], bool)
                 place = np.reshape(np.asarray(data["positions"], np.float64), (-1, 3))
                 near &= np.abs(place[:, 2] - self._height) < _ABOVE
-                points.append(place[near, :2])
-                velocities.append(np.reshape(np.asarray(data["velocities"], np.float64), (-1, 3))[near, :2])
-                size = 0.5 * WIDTH if isinstance(robot, Traffic) else _PERSON
-                half.append(np.full((int(near.sum()), 2), size))
+                if isinstance(robot, Traffic):
+                    found.append(robot.bodies(np.flatnonzero(near)))
+                    continue
+                count, moves = int(near.sum()), np.reshape(np.asarray(data["velocities"], np.float64), (-1, 3))
+                round_ = np.full((count, 2), _PERSON), np.zeros((count, 2))
+                found.append(Bodies(place[near, :2], *round_, moves[near, :2]))
                 continue
             place = np.array(robot.bge_object.world_pose()[0])
             if abs(place[2] - self._height) > _ABOVE + _LARGEST:
                 continue
-            points.append(place[None, :2])
-            velocities.append(np.array([robot.bge_object.velocity()[0][:2]]))
-            half.append(np.array([self._size(robot)]))
-        return np.concatenate(points), np.concatenate(half), np.concatenate(velocities)
+            half, velocity = np.array([self._size(robot)]), np.array([robot.bge_object.velocity()[0][:2]])
+            found.append(Bodies(place[None, :2], half, np.zeros((1, 2)), velocity))
+        return Bodies(*(np.concatenate(values) for values in zip(*found, strict=True)))
 
     def _size(self, robot: Carrier) -> tuple[float, float]:
         """Half of the room that a robot takes, whatever its direction, m."""
@@ -450,6 +478,7 @@ class Traffic(Robot):
             shown[~self.there, 0] = 20.0 * np.flatnonzero(~self.there)
             self._rows.place(shown, np.stack([w, zeros, zeros, z], axis=1), velocities)
         data = self.local_data
+        self._ways = ways
         data["positions"], data["velocities"], data["present"] = positions, velocities, self.there.copy()
         data["roads"], data["lanes"] = self.road.astype(np.int32), self.lane.astype(np.int32)
         data["places"], data["speeds"], data["gaps"] = self.front.copy(), self.speed.copy(), self._gaps.copy()
@@ -457,7 +486,20 @@ class Traffic(Robot):
     # -- states ----------------------------------------------------------------------------
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
-        names = ("lane", "before", "front", "speed", "left", "there", "held", "enters", "factor", "_limits", "_drift")
+        names = (
+            "lane",
+            "before",
+            "front",
+            "speed",
+            "left",
+            "there",
+            "held",
+            "enters",
+            "factor",
+            "_limits",
+            "_drift",
+            "_gaps",
+        )
         return {name: getattr(self, name) for name in names}
 
     def get_state(self) -> StateData:
@@ -480,7 +522,9 @@ class Traffic(Robot):
         for name, present in arrays.items():
             given = cars[name]
             fits = isinstance(given, np.ndarray) and given.dtype == present.dtype and given.shape == present.shape
-            if not fits or not np.isfinite(given).all() or (np.abs(given.astype(np.float64)) > 1e6).any():
+            # nothing may be ahead
+            known = given[~np.isinf(given)] if fits and name == "_gaps" else given
+            if not fits or not np.isfinite(known).all() or (np.abs(known.astype(np.float64)) > 1e6).any():
                 raise StateError(f"the cars of {self.name()} have another '{name}'")
         lanes = np.array([road.lanes for road in self._roads] or [1])[self.road]
         if any(((cars[name] < 0) | (cars[name] >= lanes)).any() for name in ("lane", "before")):
