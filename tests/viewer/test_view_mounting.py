@@ -220,6 +220,7 @@ def test_a_component_is_moved_saved_and_restarted(desk: Desk, script: Path, name
         ({"robot": "Ground"}, "on a robot"),
         ({"robot": "nobody"}, "on a robot"),
         ({"robot": "robot", "position": [0, 0, 0], "normal": [0, 0, 0]}, "no surface"),
+        ({"robot": "robot", "position": [0, 0, 0], "normal": [1e-320, 0, 0]}, "no surface"),
     ],
 )
 def test_what_carries_nothing_is_refused(desk: Desk, fields: dict[str, Any], why: str) -> None:

@@ -111,12 +111,13 @@ def place_at(
     """
     node = simulation.scene.find(name)
     assert node is not None
-    if not any(normal):
-        raise MorseError("there is no surface with the normal 0, 0, 0")
+    size = float(np.linalg.norm(normal))
+    if size < 1e-9:
+        raise MorseError(f"there is no surface with the normal {', '.join(f'{one:g}' for one in normal)}")
     part = _part(carrier, node)
     frame = _frame(simulation, mount_of(carrier, part))
     ahead, _, up = np.array(simulation.world.object_of(carrier.robot).worldOrientation).T
-    away = np.asarray(normal, float) / max(float(np.linalg.norm(normal)), 1e-9)
+    away = np.asarray(normal, float) / size
     is_side = abs(float(away @ up)) < _TOP
     z = up - (up @ away) * away if is_side else away if away @ up > 0.0 else up
     x = away if is_side else ahead - (ahead @ z) * z

@@ -57,7 +57,16 @@ def test_a_rate_is_that_of_the_frames():
         ('{"track": 5}', "file:1: expected"),
         ('{"track": {"f": 1}}', "file:1: expected"),
         ("{" * 5000, "file:1: expected"),
-        ('{"scene": {"fps": 0}}', "file:1: expected"),
+        ('{"scene": {"fps": []}}', "file:1: expected"),
+        *(
+            (TRAJNET.replace('"fps": 2.5', f'"fps": {fps}'), "frames in a second: expected 0.001 to 1e")
+            for fps in ("0", "-2.5", "NaN", "Infinity", "1e-320", "1e308", '"nan"')
+        ),
+        (PETRACK.replace("rate: 25", "rate: 0.0000001"), "frames in a second: expected 0.001 to 1e"),
+        ("id,time,x,y\n1,-1e9,0,0\n1,0,0,0\n1,1e-12,1,0", "file:[34]: a point at 1e.09 s"),
+        ("id,time,x,y\n1,-1e9,0,0\n1,0,0,0\n1,1e-12,0,0", "file:[34]: a point at 1e.09 s"),
+        ("id,time,x,y\n1,0,0," + "4" * 200_000, "file:2: field larger"),
+        ("id,time,x,y," + "a" * 200_000, "file:1: field larger"),
         ('{"scene": {}}', "nobody with two points"),
         (b"\xff\xfe\x00", "is no text"),
         ("\n".join(f"{k} {p} 0 0" for k in (0, 1) for p in range(5001)), "5001 people: at most 5000"),

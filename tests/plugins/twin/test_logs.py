@@ -10,7 +10,7 @@ import pytest
 import morse
 from morse.core.exceptions import MorseError
 from morse.many import Twin
-from morse.plugins.twin.log import read_log
+from morse.plugins.twin.log import _flat, read_log
 
 SCENE = """
 from morse.builder import *
@@ -349,3 +349,34 @@ def test_a_command_that_is_out_of_range_is_told_with_its_time(tmp_path, scene):
     (tmp_path / "drive.csv").write_text("\n".join(lines))
     with pytest.raises(MorseError, match=r"a command at 0\.700 s is refused: robot\.motion: 'v'"):
         Twin(tmp_path / "drive.csv", scene).fit(workers=0)
+
+
+def test_what_a_damaged_log_of_ardupilot_skips_is_counted_and_not_printed(tmp_path, capfd):
+    pytest.importorskip("pymavlink.DFReader")
+    path = tmp_path / "flight.bin"
+    path.write_bytes(b"\0" * 100_000)
+    with pytest.raises(MorseError, match=r"no numbers: the file is damaged: in 99,[0-9]* places"):
+        read_log(path)
+    path.write_bytes(b"\0" * 1_100_000)
+    with pytest.raises(MorseError, match="more than 1,000,000 places"):
+        read_log(path)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"good": 1.0, "list": [10**400]},
+        {"good": 1.0, "list": [{"a": 1.0}, 3]},
+        {"good": 1.0, "list": [None, {"a": 1.0}]},
+        {"good": 1.0, "huge": [1, [2]], "name": ["a"]},
+    ],
+)
+def test_the_numbers_of_a_message_are_read_beside_what_is_none(message):
+    assert _flat(message)["good"] == 1.0
+
+
+def test_times_that_no_clock_shows_are_left_out(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("time,x\n-1e308,1\n100,2\n101,3\n1e308,4\n")
+    assert read_log(path).duration == 1.0

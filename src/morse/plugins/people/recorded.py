@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 _MOST_BYTES, _MOST_POINTS, _MOST_PEOPLE = 50_000_000, 500_000, 5000
 #: s between two frames with annotations, of ETH, UCY and TrajNet
 _STEP = 0.4
+#: s, the least time between two points of a person, and the latest time
+_SHORTEST, _LATEST = 1e-6, 1e9
+#: least and most frames in a second
+_LEAST_RATE, _MOST_RATE = 1e-3, 1e6
 #: m; m/s: no trajectory is that far from the origin, and nobody walks that fast
 _FAR, FASTEST = 1e4, 15.0
 
@@ -80,7 +84,7 @@ _Rows = list[tuple[int, float, int, float, float]]
 
 def _ndjson(lines: Iterable[tuple[int, str]], name: str) -> tuple[_Rows, float | None, bool]:
     rows: _Rows = []
-    step = rate = None
+    per_second = rate = None
     for number, line in lines:
         try:
             entry = json.loads(line)
@@ -89,18 +93,18 @@ def _ndjson(lines: Iterable[tuple[int, str]], name: str) -> tuple[_Rows, float |
                 rows.append((number, float(track["f"]), int(track["p"]), float(track["x"]), float(track["y"])))
             elif scene is not None and "fps" in scene:
                 # the rate of the rows, not that of the frames
-                step = 1.0 / float(scene["fps"])
+                per_second = float(scene["fps"])
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError, ZeroDivisionError, OverflowError):
             raise TrajectoryError(
                 f'{name}:{number}: expected {{"track": {{"f": 10, "p": 3, "x": 1.5, "y": 2.0}}}}, got {line[:80]!r}'
             ) from None
-    if step is not None and (pace := _pace(rows)):
-        rate = pace / step
+    if per_second is not None and (pace := _pace(rows)):
+        rate = pace * per_second
     return rows, rate, False
 
 
 def _csv(lines: list[tuple[int, str]], name: str) -> tuple[_Rows, float | None, bool]:
-    head = [word.strip().lower() for word in next(csv.reader([lines[0][1]]))]
+    head = [word.strip().lower() for word in _words(lines[0], name)]
     times = [word for word in ("time", "t", "frame") if word in head]
     if not times or not {"id", "x", "y"} <= set(head):
         raise TrajectoryError(
@@ -109,13 +113,20 @@ def _csv(lines: list[tuple[int, str]], name: str) -> tuple[_Rows, float | None, 
     places = [head.index(word) for word in (times[0], "id", "x", "y")]
     rows: _Rows = []
     for number, line in lines[1:]:
-        words = next(csv.reader([line]))
+        words = _words((number, line), name)
         try:
             time, person, x, y = (float(words[place]) for place in places)
             rows.append((number, time, int(person), x, y))
         except (ValueError, IndexError, OverflowError):
             raise TrajectoryError(f"{name}:{number}: expected {', '.join(head)[:80]}, got {line[:80]!r}") from None
     return rows, None, times[0] != "frame"
+
+
+def _words(line: tuple[int, str], name: str) -> list[str]:
+    try:
+        return next(csv.reader([line[1]]))
+    except csv.Error as error:
+        raise TrajectoryError(f"{name}:{line[0]}: {error}") from None
 
 
 def _matrix(lines: Iterable[tuple[int, str]], name: str, *, first_is_id: bool) -> _Rows:
@@ -154,15 +165,22 @@ def _trajectories(rows: _Rows, name: str, rate: float | None) -> list[list[list[
         raise TrajectoryError(f"{name} has {len(people)} people: at most {_MOST_PEOPLE}")
     if rate is None:
         rate = (_pace(rows) or 1.0) / _STEP
+    if not _LEAST_RATE <= rate <= _MOST_RATE:
+        raise TrajectoryError(f"{name}: {rate:g} frames in a second: expected {_LEAST_RATE:g} to {_MOST_RATE:g}")
     begin = min((row[1] for row in rows), default=0.0)
     found = []
     for points in people.values():
         track = [[(time - begin) / rate, *points[time][:2]] for time in sorted(points)]
         for (s, x, y), (t, u, v), time in zip(track, track[1:], sorted(points)[1:], strict=False):
+            if t - s < _SHORTEST or t >= _LATEST:
+                raise TrajectoryError(
+                    f"{name}:{points[time][2]}: a point at {t:g} s, {t - s:g} s after the one before: is the rate "
+                    f"{rate:g} frames in a second?"
+                )
             if math.hypot(u - x, v - y) > FASTEST * (t - s) + 1e-9:
                 speed = math.hypot(u - x, v - y) / (t - s)
                 raise TrajectoryError(
-                    f"{name}:{points[time][2]}: somebody walks at {speed:.0f} m/s: are the places in m, and is the "
+                    f"{name}:{points[time][2]}: somebody walks at {speed:.4g} m/s: are the places in m, and is the "
                     f"rate {rate:g} frames in a second?"
                 )
         if len(track) > 1:

@@ -7,6 +7,7 @@ import csv
 import io
 import json
 import math
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,10 @@ if TYPE_CHECKING:
 _INPUTS, _COMMAND = "/morse/inputs", "command"
 #: largest number of numbers of a log, of items of a list in a message, of columns of a topic, and of topics
 _MOST_NUMBERS, _MOST_ITEMS, _MOST_COLUMNS, _MOST_TOPICS = 100_000_000, 2048, 4096, 2000
+#: most places of a log of ArduPilot without a message
+_MOST_SKIPPED = 1_000_000
+#: latest time of a log, s: 3,000 years
+_LATEST = 1e11
 #: largest size of a CSV file, bytes, and of a file that a package reads as a whole
 _LARGEST_CSV, _LARGEST = 1 << 30, 4 << 30
 #: names of the column of time in CSV files, and the unit of each, s
@@ -157,9 +162,9 @@ def _column(values: list[Any]) -> Floats | None:
 
 
 def _sorted(one: Series) -> Series | None:
-    """By time, without samples that have none."""
+    """By time, without samples that have none or one that no clock shows."""
     order = np.argsort(one.times, kind="stable")
-    order = order[np.isfinite(one.times[order])]
+    order = order[np.abs(one.times[order]) <= _LATEST]
     if not len(order) or not one.columns:
         return None
     one.times = one.times[order]
@@ -194,11 +199,12 @@ def _list(name: str, value: Any, names: Any, depth: int) -> dict[str, Any]:
         return {
             key: number
             for index, one in enumerate(value[:8])
+            if isinstance(one, dict)
             for key, number in _flat(one, f"{name}.{index}.", depth + 1).items()
         }
     try:
         numbers = np.asarray(value, float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return {}
     if numbers.ndim != 1:
         return {}
@@ -278,7 +284,7 @@ def _read_own(file: McapFile, budget: list[int], remarks: list[str]) -> list[_Ro
 def _number(value: Any, default: float) -> float:
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return default
     return number if math.isfinite(number) and number >= 0.0 else default
 
@@ -377,11 +383,16 @@ def _plain(message: Any, depth: int = 0) -> Any:
 
 
 def _read_ulog(path: Path, budget: list[int]) -> tuple[str, list[Series | None], list[str]]:
-    file = _package("pyulog", "a log of PX4").ULog(str(path))
+    package = _package("pyulog", "a log of PX4")
+    with redirect_stdout(_Skipped()):
+        file = package.ULog(str(path))
     topics: list[Series | None] = []
     remarks: list[str] = []
     for data in file.data_list:
         topic = data.name if data.multi_id == 0 else f"{data.name}.{data.multi_id}"
+        if "timestamp" not in data.data:
+            remarks.append(f"{short(topic)} is left out: it has no time")
+            continue
         times = np.asarray(data.data["timestamp"], float) * 1e-6
         columns = {name: np.asarray(column, float) for name, column in data.data.items() if name != "timestamp"}
         budget[0] -= sum(map(len, columns.values()))
@@ -395,13 +406,40 @@ def _read_ulog(path: Path, budget: list[int]) -> tuple[str, list[Series | None],
 
 def _read_dataflash(path: Path, budget: list[int]) -> tuple[str, list[Series | None], list[str]]:
     reader = _package("pymavlink.DFReader", "a log of ArduPilot", "mavlink")
-    kind = reader.DFReader_text if path.suffix.lower() == ".log" else reader.DFReader_binary
-    file = kind(str(path), zero_time_base=True)
+    binary = reader.DFReader_binary
+    # its other index is written in C, and prints where nothing redirects it
+    quiet = type("DFReader", (binary,), {"init_arrays_fast": binary.init_arrays})
+    kind = reader.DFReader_text if path.suffix.lower() == ".log" else quiet
     topics: dict[str, _Rows] = {}
-    while True:
-        message = file.recv_match()
-        if message is None:
-            break
+    skipped = _Skipped()
+    with redirect_stdout(skipped), redirect_stderr(skipped):
+        _read_messages(iter(kind(str(path), zero_time_base=True).recv_match, None), topics, budget)
+    remarks = [f"the file is damaged: in {skipped.count:,} places there is no message"] if skipped.count else []
+    return "ArduPilot", _all(topics.values()), remarks
+
+
+class _Skipped(io.TextIOBase):
+    """Counts what packages write about damaged logs: pymavlink, a line about each byte that it skips."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.count = 0
+
+    def write(self, text: str) -> int:
+        """Take a text.
+
+        Raises:
+            LogError: the file has hardly anything else.
+        """
+        self.count += text.count("\n")
+        if self.count > _MOST_SKIPPED:
+            raise LogError(f"the file is damaged: in more than {_MOST_SKIPPED:,} places there is no message")
+        return len(text)
+
+
+def _read_messages(messages: Iterable[Any], topics: dict[str, _Rows], budget: list[int]) -> None:
+    """Add the messages of ArduPilot to their topics."""
+    for message in messages:
         name = message.get_type()
         values = message.to_dict()
         values.pop("mavpackettype", None)
@@ -411,7 +449,6 @@ def _read_dataflash(path: Path, budget: list[int]) -> tuple[str, list[Series | N
         if not math.isfinite(time) or (topic not in topics and len(topics) >= _MOST_TOPICS):
             continue
         topics.setdefault(topic, _Rows(topic, f"ardupilot/{name}", budget)).add(time, _flat(values))
-    return "ArduPilot", _all(topics.values()), []
 
 
 def _read_csv(path: Path, budget: list[int]) -> tuple[str, list[Series | None], list[str]]:
