@@ -181,6 +181,35 @@ def test_time_is_shown_and_controlled(shown) -> None:
     wait_until(lambda: not driver.running)
 
 
+def test_a_page_that_is_paused_rests(shown, monkeypatch) -> None:
+    driver, page = shown
+    published = []
+    publish = driver.server.publish
+    monkeypatch.setattr(driver.server, "publish", lambda snapshot: (published.append(snapshot), publish(snapshot)))
+    driver.running = False
+    wait_until(lambda: page.locator(".factor").inner_text() == "paused")
+    page.evaluate(
+        """() => {
+            const { onPoses } = morse.connection;
+            window.seen = 0;
+            morse.connection.onPoses = (frame) => { seen += 1; onPoses(frame); };
+        }"""
+    )
+    begin = len(published)
+    wait_until(lambda: len(published) > begin + 40)
+    tick, driver.steps = driver.tick, 1
+    wait_until(lambda: page.evaluate("morse.poses.value.tick") == tick + 1)
+    assert 1 <= page.evaluate("seen") <= 3
+    # what is refused is told, although no new poses come
+    speed = page.get_by_label("speed")
+    before = speed.input_value()
+    driver.shown = False
+    speed.select_option("×0.2")
+    wait_until(lambda: driver.speed == 0.2)
+    driver.speed, driver.shown = float(before), True
+    wait_until(lambda: speed.input_value() == before)
+
+
 def test_keys_drive_with_chords_and_release(shown) -> None:
     driver, page = shown
     page.keyboard.down("ArrowUp")

@@ -41,6 +41,13 @@ export function samePoses(a: PoseFrame, b: PoseFrame): boolean {
   return a.revision === b.revision && a.poses.length === b.poses.length && a.poses.every((number, i) => number === b.poses[i]);
 }
 
+/** Whether two frames are equal in everything: a simulation that is paused repeats its last one. */
+export function sameBytes(a: ArrayBuffer, b: ArrayBuffer): boolean {
+  if (a.byteLength !== b.byteLength) return false;
+  const [one, other] = [new Uint8Array(a), new Uint8Array(b)];
+  return one.every((byte, i) => byte === other[i]);
+}
+
 /** A message with a payload. */
 export function decodePayload(frame: ArrayBuffer): ServerMessage {
   const view = new DataView(frame);

@@ -2,7 +2,7 @@
 import { fileAddress } from "./address";
 import type { Hello, PageMessage, SceneDescription, ServerMessage } from "../generated/protocol";
 import { VERSION } from "../generated/protocol";
-import { decodePayload, kindOf, POSES } from "./frames";
+import { decodePayload, kindOf, POSES, sameBytes } from "./frames";
 
 export type ToWorker =
   | { kind: "open"; url: string; page: string }
@@ -33,6 +33,8 @@ let welcome = false;
 let drawing = false;
 let prefetched = false;
 let newest: ArrayBuffer | null = null;
+/** the last poses that came, as they came: the page need not see the same ones again */
+let known: ArrayBuffer | null = null;
 
 function send(message: PageMessage): void {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
@@ -68,6 +70,8 @@ function receive(data: string | ArrayBuffer): void {
   } else if (kindOf(data) === POSES) {
     taken += 1;
     if (taken % TAKEN_EVERY === 0) send({ type: "taken", count: taken });
+    if (known !== null && sameBytes(known, data)) return;
+    known = data.slice(0);
     newest = data;
     showNewest();
   } else {
@@ -83,6 +87,7 @@ function open(): void {
     taken = 0;
     drawing = false;
     newest = null;
+    known = null;
     const hello: Hello = { type: "hello", version: VERSION };
     send(hello);
   };

@@ -24,9 +24,10 @@ export class Clock {
   /** what stands elsewhere on a phone */
   private readonly rest: HTMLElement[];
   private readonly buttons: (HTMLButtonElement | HTMLSelectElement)[];
-  /** the speed of the last frame that changed the list, and when a different choice of the user counts as refused, ms */
+  /** the speed of the last frame */
   private told = 1;
-  private until = Infinity;
+  /** until a different choice of the user counts as refused */
+  private takeover: ReturnType<typeof setTimeout> | undefined;
   private pace: Pace | null = null;
   /** files that are read again at a restart */
   private edited: string[] = [];
@@ -71,7 +72,7 @@ export class Clock {
       this.showPace();
     }
     // a speed that held for a moment only may be in no frame: then the choice of the user is shown until it is refused
-    if (frame.speed !== this.told || performance.now() > this.until) this.showSpeed(frame.speed);
+    if (frame.speed !== this.told) this.showSpeed(frame.speed);
   }
 
   private showFactor(factor: number | null): void {
@@ -104,12 +105,13 @@ export class Clock {
   private setSpeed(): void {
     this.connection.send({ type: "set_speed", factor: this.speed.value === "max" ? null : Number(this.speed.value) });
     this.speed.blur();
-    this.until = performance.now() + TAKEOVER;
+    clearTimeout(this.takeover);
+    this.takeover = setTimeout(() => this.showSpeed(this.told), TAKEOVER);
   }
 
   private showSpeed(speed: number): void {
     this.told = speed;
-    this.until = Infinity;
+    clearTimeout(this.takeover);
     const value = Number.isFinite(speed) ? String(Number(speed.toPrecision(4))) : "max";
     if (![...this.speed.options].some((option) => option.value === value)) {
       this.speed.append(h("option", { value }, `×${value}`));

@@ -9,7 +9,7 @@ export class Rate {
     let frames = 0;
     setInterval(() => {
       this.element.hidden = stage.world?.description.view.show_framerate !== true;
-      this.element.textContent = `${stage.frames - frames} frames/s`;
+      if (!this.element.hidden) this.element.textContent = `${stage.frames - frames} frames/s`;
       frames = stage.frames;
     }, 1000);
   }

@@ -30,6 +30,10 @@ export class Shell {
     };
     this.view.append(this.over);
     document.body.append(h("div", { class: "shell" }, this.header, this.left, this.view, this.right, this.bottom));
+    // menus of narrow windows begin below the header, whose height depends on what is in it
+    const measure = (): void => document.documentElement.style.setProperty("--bar", `${this.header.offsetHeight}px`);
+    new ResizeObserver(measure).observe(this.header);
+    measure();
     const kept = JSON.parse(localStorage.getItem(KEY) ?? "null") as Place[] | null;
     const open = innerWidth < NARROW ? [] : (kept ?? ["left", "right"]);
     this.wanted = open.includes("right");
