@@ -33,6 +33,8 @@ def test_a_robot_finds_a_leak():
 
 
 def test_a_car_stops_before_a_parked_car_and_not_at_the_sign():
-    gap, at_sign = run("brake_by_radar.py")
+    gap, at_sign, at_hit = run("brake_by_radar.py")
     assert at_sign == 12.0
     assert 2.0 < gap < 7.0
+    # the lidar sees the parked car 11.2 m ahead: sqrt(v^2 - 2 b s) is left
+    assert at_hit == pytest.approx((12.0**2 - 2.0 * 5.0 * 11.2) ** 0.5, abs=1.5)
