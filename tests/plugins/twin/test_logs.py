@@ -199,6 +199,54 @@ def test_csv(tmp_path, scene):
     assert errors["robot.pose.yaw"] < 0.01
 
 
+def _driven(scene, seconds=8, gain=1.1):
+    """Commands, and what a robot measures that drives faster than it is told; rows of time and numbers."""
+    rng = np.random.default_rng(3)
+    rows, samples = [], []
+    with morse.load(scene) as sim:
+        for k in range(2 * seconds):
+            v, w = rng.uniform(0.1, 0.5), rng.uniform(-0.6, 0.6)
+            rows.append((k * 0.5, v, w))
+            sim.robot.motion.publish({"v": gain * v, "w": w})
+            for _ in range(5):
+                sim.step(6)
+                data = sim.robot.pose.data
+                noise = rng.normal(0.0, 0.005, 2)
+                samples.append((sim.time(), data["x"] + noise[0], data["y"] + noise[1], sim.robot.imu.data))
+    return rows, samples
+
+
+def test_one_axis_of_a_vector_is_enough(tmp_path, scene):
+    """Many robots have a gyroscope for the vertical axis alone."""
+    rows, samples = _driven(scene)
+    lines = ["time,motion.v,motion.w,pose.x,pose.y,imu.angular_velocity.z"]
+    lines += [f"{time},{v},{w},,," for time, v, w in rows]
+    lines += [f"{time},,,{x},{y},{imu['angular_velocity'][2] + 0.05}" for time, x, y, imu in samples]
+    (tmp_path / "drive.csv").write_text("\n".join(lines))
+    twin = Twin(tmp_path / "drive.csv", scene, fit=["imu.bias"])
+    assert [one.name for one in twin.parameters] == ["robot.imu.bias.angular_velocity.z"]
+    fitted = twin.fit(workers=0)
+    assert set(fitted.errors) == {"robot.pose.x", "robot.pose.y", "robot.imu.angular_velocity.z"}
+    assert fitted.values["robot.imu.bias.angular_velocity.z"] == pytest.approx(0.05, abs=0.005)
+    table = _table(tmp_path, twin.table())
+    assert set(Twin(tmp_path / "drive.csv", scene, table=table).fit(workers=0).errors) == set(fitted.errors)
+
+
+def test_what_a_planar_robot_does_not_measure_does_not_count(tmp_path, scene):
+    """Height and two of three rates are 0 in the log, without noise, but not in the simulation."""
+    rows, samples = _driven(scene)
+    lines = ["time,motion.v,motion.w,pose.x,pose.y,pose.z,imu.angular_velocity.x,imu.angular_velocity.y,"
+             "imu.angular_velocity.z"]  # fmt: skip
+    lines += [f"{time},{v},{w},,,,,," for time, v, w in rows]
+    lines += [f"{time},,,{x},{y},0,0,0,{imu['angular_velocity'][2]}" for time, x, y, imu in samples]
+    (tmp_path / "drive.csv").write_text("\n".join(lines))
+    fitted = Twin(tmp_path / "drive.csv", scene, fit=["motion.gain.v"]).fit(workers=0)
+    assert set(fitted.errors) == {"robot.pose.x", "robot.pose.y", "robot.imu.angular_velocity.z"}
+    assert fitted.values["robot.motion.gain.v"] == pytest.approx(1.1, abs=0.01)
+    assert "robot.pose.z never changes in the log, and is not compared" in fitted.remarks
+    assert any("angular_velocity: 2 of 3 numbers never change" in one for one in fitted.remarks)
+
+
 def test_a_clock_that_is_off_is_found(tmp_path, scene):
     """Two seconds, more than a sensor could be late."""
     rng = np.random.default_rng(5)
@@ -288,6 +336,15 @@ def test_samples_that_are_no_numbers_are_left_out(tmp_path, scene):
     assert twin.fit(workers=0).errors["robot.pose.x"] < 0.02
 
 
+@pytest.mark.parametrize("wrong", ["1e12", "-1e9"])
+def test_a_time_that_is_years_off_is_told_instead_of_simulated(tmp_path, scene, wrong):
+    lines = ["time,motion.v,motion.w,pose.x"]
+    lines += [f"{wrong if k == 20 else k / 10},{SPEED},{RATE},{circle(k / 10)[0]}" for k in range(50)]
+    (tmp_path / "drive.csv").write_text("\n".join(lines))
+    with pytest.raises(MorseError, match=r"lasts 1,0.* s, more than 36,000 s.* robot\.pose has no measurement in the"):
+        Twin(tmp_path / "drive.csv", scene)
+
+
 @pytest.mark.parametrize(
     ("table", "text"),
     [
@@ -313,6 +370,12 @@ def test_samples_that_are_no_numbers_are_left_out(tmp_path, scene):
             "[robot.imu]\ntopic = 'drive'\nangular_velocity = ['motion.v']",
             "has 3 numbers",
         ),
+        (
+            "[robot.motion]\ntopic = 'drive'\nv = 'motion.v'\n"
+            "[robot.imu]\ntopic = 'drive'\nangular_velocity = ['', '', '']",
+            "is no column",
+        ),
+        ("[robot.motion]\ntopic = 'drive'\nv = ''", "is no column"),
     ],
 )
 def test_wrong_tables_are_refused(tmp_path, scene, table, text):

@@ -128,6 +128,24 @@ def test_an_input_is_not_overwritten(folder, monkeypatch):
         twin_command.command("drive.mcap", "scene.py", report=Path("scene.py"))
 
 
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"report": "nowhere/page.html"}, "there is no folder nowhere"),
+        ({"preset": "."}, "is a folder"),
+        ({"fit": ["track"], "test": "test_x.py"}, "--test needs --preset"),
+    ],
+)
+def test_what_cannot_be_written_is_told_before_the_fit(folder, monkeypatch, options, text):
+    from pathlib import Path
+
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(Twin, "fit", lambda *_, **__: pytest.fail("it was fitted first"))
+    paths = {name: value if name == "fit" else Path(value) for name, value in options.items()}
+    with pytest.raises(MorseError, match=text):
+        twin_command.command("drive.mcap", "scene.py", **paths)
+
+
 def test_without_parameters_the_scene_is_compared(folder):
     fitted = Twin(folder / "drive.mcap", folder / "scene.py").fit(workers=0)
     assert fitted.values == {}

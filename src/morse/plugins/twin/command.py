@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -65,8 +66,12 @@ def command(
     for path in (report, preset, test):
         if path is not None and path.exists() and path.resolve() in (Path(log).resolve(), Path(scene).resolve()):
             raise TwinCommandError(f"{path} is an input: give another name for what is written")
+        if path is not None:
+            _check_place(path)
     setup(level="WARNING")
     names = [*(fit or []), *(more or [])]
+    if test is not None and names and preset is None:
+        raise TwinCommandError("--test needs --preset FILE.json: the test begins with the values of the fit")
     try:
         twin = Twin(log, scene, fit=names, table=table if table is not None and table.exists() else None, preset=start)
         for link in twin.links:
@@ -93,6 +98,16 @@ def command(
         if path is not None:
             echo(f"* {path} is written")
     return 0
+
+
+def _check_place(path: Path) -> None:
+    """A fit takes minutes: that its result cannot be written is told before."""
+    if path.is_dir():
+        raise TwinCommandError(f"{path} is a folder: give the name of a file")
+    if not path.parent.is_dir():
+        raise TwinCommandError(f"{path} cannot be written: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise TwinCommandError(f"{path} cannot be written: you may not write in the folder {path.parent}")
 
 
 def _progress(text: str) -> None:

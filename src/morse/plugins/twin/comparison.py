@@ -93,7 +93,8 @@ class Comparison:
                 declared = probe.fields[sensor].get(name)
                 is_angle = declared is not None and declared.angle
                 unit = declared.unit if declared is not None else ""
-                items = [-1] if values.ndim == 1 else list(range(values.shape[1]))
+                # items that were not measured are NaN
+                items = [-1] if values.ndim == 1 else np.flatnonzero(~np.isnan(values).all(axis=0)).tolist()
                 channels += [Channel(sensor, name, item, is_angle, unit) for item in items]
         return cls(dict(measured), channels, {sensor: Clock() for sensor in measured})
 

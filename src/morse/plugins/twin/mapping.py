@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 #: largest size of a table, bytes
 _LARGEST = 1 << 20
 _AXES = ("x", "y", "z", "w")
+#: number of samples from which a value that never changes was not measured
+_FEWEST = 8
 #: functions of a quaternion at a prefix
 _ANGLES = ("roll", "pitch", "yaw")
 _TERM = re.compile(r"\s*(?:([-+]?[0-9.]+(?:[eE][-+]?\d+)?)\s*\*\s*|(-)\s*)?(?:(roll|pitch|yaw)\(([^()]*)\)|(\S.*?))\s*")
@@ -220,11 +222,13 @@ def _by_name(one: Series, component: str, fields: Mapping[str, DataField]) -> di
             continue
         for prefix in prefixes:
             name = f"{prefix}.{field}"
-            parts = tuple(f"{name}.{axis}" for axis in _AXES if f"{name}.{axis}" in one.columns)
+            size = _shape(fields[field]) or len(_AXES)
+            parts = tuple(f"{name}.{axis}" if f"{name}.{axis}" in one.columns else "" for axis in _AXES[:size])
             if name in one.columns:
                 found[field] = name
-            elif parts:
-                found[field] = parts
+            elif any(parts):
+                # a list of unknown length ends with the last item of the log
+                found[field] = parts if _shape(fields[field]) else tuple(filter(None, parts))
             if field in found:
                 break
     return found
@@ -297,6 +301,9 @@ def _angle(angle: str, prefix: str, one: Series) -> Floats:
 def samples_of(link: Link, log: Log, fields: Mapping[str, DataField]) -> Samples:
     """What a component has measured, or was commanded; samples that are no numbers are left out.
 
+    Items of vectors that were not measured are NaN. So is what never changes in a log of others, such as the height in
+    planar odometry: without noise, it would count more than all that was measured.
+
     Raises:
         MappingError: a column does not exist, or does not fit its field.
     """
@@ -305,7 +312,11 @@ def samples_of(link: Link, log: Log, fields: Mapping[str, DataField]) -> Samples
     for field, source in link.sources.items():
         texts = (source,) if isinstance(source, str) else source
         try:
-            parts = [_evaluated(text, one) for text in texts]
+            parts = [_evaluated(text, one) if text else np.full(len(one.times), math.nan) for text in texts]
+            if link.is_command and not all(texts):
+                raise MappingError(
+                    f"a command has all of its items, the log has {', '.join(filter(None, texts))} alone"
+                )
         except MappingError as error:
             raise MappingError(f"{_place(link)}{link.component}.{field}: {error}") from None
         columns[field] = parts[0] if isinstance(source, str) else np.stack(parts, axis=1)
@@ -316,8 +327,10 @@ def samples_of(link: Link, log: Log, fields: Mapping[str, DataField]) -> Samples
                 f"{columns[field].shape[1]}"
             )
     is_finite = np.ones(len(one.times), bool)
-    for values in columns.values():
-        is_finite &= np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
+    for field, values in columns.items():
+        source = link.sources[field]
+        numbers = values if values.ndim == 1 or isinstance(source, str) else values[:, [bool(text) for text in source]]
+        is_finite &= np.isfinite(numbers) if numbers.ndim == 1 else np.isfinite(numbers).all(axis=1)
     if not is_finite.any():
         # beams without an echo: those that have one are compared
         raise MappingError(
@@ -326,7 +339,31 @@ def samples_of(link: Link, log: Log, fields: Mapping[str, DataField]) -> Samples
     places = np.flatnonzero(is_finite)
     # of several samples at one time, the last one
     places = places[np.append(np.diff(one.times[places]) > 0.0, True)]
-    return Samples(one.times[places], {name: values[places] for name, values in columns.items()})
+    chosen = {name: values[places] for name, values in columns.items()}
+    return Samples(one.times[places], chosen if link.is_command or one.is_exact else _changing(link, log, chosen))
+
+
+def _changing(link: Link, log: Log, columns: dict[str, Floats]) -> dict[str, Floats]:
+    """What changes in the log of a sensor; all of it if nothing does, because the robot rests."""
+    ranges = {name: np.atleast_1d(np.ptp(values, axis=0)) for name, values in columns.items()}
+    if not any((one > 0.0).any() for one in ranges.values()) or len(next(iter(columns.values()))) < _FEWEST:
+        return columns
+    # NaN: not measured at all
+    changes = {name: one != 0.0 for name, one in ranges.items()}
+    found: dict[str, Floats] = {}
+    for name, values in columns.items():
+        if changes[name].all():
+            found[name] = values
+            continue
+        count = int(np.sum(~changes[name]))
+        which = "" if values.ndim == 1 else f": {count} of {values.shape[1]} numbers"
+        log.remarks.append(
+            f"{link.component}.{name}{which} never change{'' if which else 's'} in the log, and "
+            f"{'are' if which else 'is'} not compared"
+        )
+        if changes[name].any():
+            found[name] = np.where(changes[name], values, math.nan)
+    return found
 
 
 def _place(link: Link) -> str:
@@ -416,7 +453,7 @@ def _link(file: Path, name: str, entry: Any, log: Log, kinds: Mapping[str, str],
         texts = [source] if isinstance(source, str) else source
         if not isinstance(texts, list) or not texts or not all(isinstance(one, str) for one in texts):
             raise MappingError(f"{file}: {name}.{field} is {quoted(source)}, expected a column, or a list of columns")
-        for text in texts:
+        for text in filter(None, texts) if any(texts) and len(texts) > 1 else texts:
             try:
                 _evaluated(text, log.series[topic])
             except MappingError as error:

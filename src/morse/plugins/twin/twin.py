@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import nearest, quoted
 from morse.launch.load import described
@@ -24,8 +26,6 @@ from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-
-    import numpy as np
 
     from morse.plugins.twin.comparison import Channel
     from morse.plugins.twin.replay import Samples
@@ -106,7 +106,9 @@ class Twin:
             (self.commands if link.is_command else measured)[link.component] = samples_of(
                 link, self.log, self._probe.fields[link.component]
             )
-        self.duration = min(_LONGEST, max(float(one.times[-1]) for one in measured.values()))
+        self.duration = max(float(one.times[-1]) for one in measured.values())
+        if self.duration > _LONGEST:
+            raise TwinError(self._too_long(measured))
         self._comparison = Comparison.of(measured, self._probe)
         self.parameters = self._found(fit)
 
@@ -129,6 +131,18 @@ class Twin:
                 f"{self.log.path} has no measurements of the sensors of the scene ({sensors}). The log has {topics}. "
                 f"If one of these has them, {mend}"
             )
+
+    def _too_long(self, measured: dict[str, Samples]) -> str:
+        name, last = max(measured.items(), key=lambda one: float(one[1].times[-1]))
+        gaps = np.diff(last.times, prepend=0.0)
+        place = int(np.argmax(gaps))
+        text = f"{self.log.path} lasts {self.duration:,.0f} s, more than {_LONGEST:,.0f} s: cut it into parts"
+        if gaps[place] > 0.5 * self.duration:
+            text += (
+                f", or correct its times: {name} has no measurement in the {gaps[place]:,.0f} s before "
+                f"{last.times[place]:,.0f} s"
+            )
+        return text
 
     def _found(self, names: Sequence[str]) -> list[Parameter]:
         measured = {(channel.sensor, channel.field, channel.item) for channel in self._comparison.channels}
