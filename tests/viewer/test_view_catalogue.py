@@ -37,6 +37,22 @@ ELSEWHERE = {
     "PTUPosture": "append it to a pan-tilt unit",
     "VLP16_180": "the scene script may set more",
 }
+#: what stands in buildings and streets: several bodies each, some of which move freely
+FACILITIES = {
+    "Button",
+    "Charger",
+    "Conveyor",
+    "Crowd",
+    "Dispenser",
+    "Door",
+    "Gate",
+    "Lift",
+    "Traffic",
+    "TrafficLight",
+    "Turntable",
+}
+#: what does nothing until a script says more, and what the page says
+WITH_A_PLAN = {"Crowd": "nobody knows where to begin: write crowd.start(area)"}
 #: sensors that say something only now and then
 SILENT = {"Collision"}
 #: components that are added before the scene is saved; all cameras together would be more than the budget
@@ -118,6 +134,49 @@ def test_every_component_works_at_once_is_saved_and_loaded(tmp_path: Path, monke
                 desk.do("undo_change")
             assert set(simulation.context.components) == before
     assert refused == set(ELSEWHERE)
+
+
+def _robots() -> list[object]:
+    """Robots and facilities of the catalogue; those of MORSE itself are many, and alike."""
+    return [
+        pytest.param(model, id=model.name, marks=() if model.name in FACILITIES else pytest.mark.long)
+        for model in models()
+        if model.group == "robots"
+    ]
+
+
+@pytest.mark.parametrize("model", _robots())
+def test_every_robot_and_facility_is_added_saved_and_loaded(
+    model: Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take([model._asdict()]))
+    script = tmp_path / "scene.py"
+    script.write_text('from morse.builder import *\n\nenv = Environment("empty")\n')
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        before = set(simulation.context.robots), {node.name for node in simulation.scene.roots}
+        if model.name in WITH_A_PLAN:
+            answer = desk.ask("add_model", model=model.kind)
+            assert WITH_A_PLAN[model.name] in answer["error"]
+            assert (set(simulation.context.robots), {node.name for node in simulation.scene.roots}) == before
+            return
+        name = desk.do("add_model", model=model.kind)
+        simulation.step(10)
+        assert simulation.context.robots[name].active
+        assert simulation.failures == ()
+        desk.do("save_scene", write=True)
+        with morse.load(script) as again:
+            assert set(again.context.robots) == set(simulation.context.robots)
+            assert type(again.context.robots[name]) is type(simulation.context.robots[name])
+            nodes = [one.scene.find(name) for one in (simulation, again)]
+            assert nodes[0] is not None
+            assert nodes[1] is not None
+            assert [*nodes[1].location] == pytest.approx([*nodes[0].location], abs=1e-4)
+            assert len(again.scene.roots) == len(simulation.scene.roots)
+        desk.do("undo_change")
+        assert (set(simulation.context.robots), {node.name for node in simulation.scene.roots}) == before
 
 
 def test_a_page_that_adds_without_end_has_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -723,6 +723,8 @@ PARTS = [
     {"kind": "IMU", "name": "IMU", "group": "sensors", "doc": "An inertial measurement unit"},
     {"kind": "Pose", "name": "Pose", "group": "sensors", "doc": "The full pose", "words": "position where"},
     {"kind": "MotionVW", "name": "MotionVW", "group": "actuators", "words": "drive wheels steer"},
+    {"kind": "Camera", "name": "Camera", "group": "solids, lamps and cameras"},
+    {"kind": "Cone", "name": "Cone", "group": "solids, lamps and cameras"},
     {"kind": "props/crates#small_crate", "name": "small crate", "group": "crates"},
     {"kind": "props/crates#large_crate", "name": "large crate", "group": "crates"},
 ]
@@ -748,6 +750,12 @@ def test_a_robot_is_built_from_nothing_driven_saved_and_loaded(
 
         shown("morse.stage.world && morse.seat.drives.value && !morse.panels.editor.element.hidden")
         page.get_by_role("button", name="add", exact=True).click()
+        # those of their group that are none are not among them
+        page.get_by_role("searchbox", name="find a model").fill("camera")
+        shown("document.querySelectorAll('.model').length")
+        assert page.locator(".model .caption").all_inner_texts() == ["Camera"]
+        page.get_by_role("searchbox", name="find a model").fill("lamps")
+        assert page.locator(".model .caption").all_inner_texts() == ["Camera", "Cone"]
         add("morsy", "Morsy", "morsy")
         add("drive", "MotionVW", "morsy.motion_vw")
         add("imu", "IMU", "morsy.imu")

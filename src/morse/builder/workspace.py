@@ -225,7 +225,9 @@ class Workspace:
     def rename(self, node: Node, name: str) -> None:
         """Set the name of a node, made unique by ``.001``, ``.002``, ... if another node has it."""
         if node.name != name:
-            del self._nodes[node.name]
+            # parts that were attached to a node directly are not known yet
+            if self._nodes.get(node.name) is node:
+                del self._nodes[node.name]
             node.name = self._unique(name)
             self._nodes[node.name] = node
 

@@ -337,3 +337,30 @@ def test_a_crowd_goes_on_when_objects_come_and_go(scene):
         sim.step(60)
         assert sim.failures == ()
         assert np.abs(sim.people.data["positions"] - before).max() > 0.5
+
+
+def test_a_crowd_comes_to_a_running_simulation(tmp_path):
+    from morse.builder import Crowd
+
+    def visitors():
+        crowd = Crowd(count=3)
+        crowd.start([(-2.0, -2.0), (2.0, 2.0)])
+        crowd.goals([(6.0, 0.0)])
+        return crowd
+
+    script = tmp_path / "scene.py"
+    script.write_text("from morse.builder import *\n\nEnvironment('empty', fastmode=True)\n")
+    with morse.load(script) as simulation:
+        for name in ("first", "second"):
+            simulation.spawn(name, visitors)
+        begin = np.array(simulation.context.robots["second"].local_data["positions"])
+        simulation.step(120)
+        names = [node.name for node in simulation.scene.nodes()]
+        assert len(names) == len(set(names))
+        assert {"first.person 0", "second.person 2"} <= set(names)
+        end = np.array(simulation.context.robots["second"].local_data["positions"])
+        assert end.shape == begin.shape
+        assert np.linalg.norm(end - begin, axis=1).max() > 0.5
+        simulation.delete("first")
+        simulation.step(1)
+        assert not any(node.name.startswith("first") for node in simulation.scene.nodes())

@@ -16,12 +16,16 @@ function inParts(name: string): (string | HTMLElement)[] {
   return name.split(/(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=_)/).flatMap((part, i) => (i > 0 ? [h("wbr", {}), part] : [part]));
 }
 
+/** Only the group of a model has the word: solids stand in one group with cameras. */
+const BY_GROUP = 4;
+
 /** How well a model fits a word that somebody looks for: its name first, then its words, then what it is. */
 function rankOf({ name, group, kind, doc, words }: Model, word: string): number {
   if (name.toLowerCase().startsWith(word)) return 0;
   if (`${name} ${kind}`.toLowerCase().includes(word)) return 1;
   if (words.toLowerCase().split(/\W+/).includes(word)) return 2;
-  return `${group} ${doc} ${words}`.toLowerCase().includes(word) ? 3 : Infinity;
+  if (`${doc} ${words}`.toLowerCase().includes(word)) return 3;
+  return group.toLowerCase().includes(word) ? BY_GROUP : Infinity;
 }
 
 export interface Placing {
@@ -84,7 +88,9 @@ export class AddPanel {
     }
     const words = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
     const rank = (model: Model): number => Math.max(...words.map((word) => rankOf(model, word)), 0);
-    const found = this.models.filter((model) => rank(model) < Infinity).sort((a, b) => rank(a) - rank(b));
+    const fitting = this.models.filter((model) => rank(model) < Infinity).sort((a, b) => rank(a) - rank(b));
+    const better = fitting.filter((model) => rank(model) < BY_GROUP);
+    const found = better.length > 0 ? better : fitting;
     const groups = new Map<string, Model[]>();
     const kept = this.favourites();
     if (kept.length > 0) groups.set("favourites", found.filter(({ kind }) => kept.includes(kind)));

@@ -91,7 +91,8 @@ export class RecordingPanel {
       this.saved = null;
       this.show();
     });
-    const text = h("span", {}, "recorded: ", h("code", {}, path));
+    const use = h("span", { class: "quiet" }, " · in Foxglove: Open local file; again here: morse replay");
+    const text = h("span", {}, "recorded: ", h("code", {}, path), use);
     this.savedElement = h("p", { class: "recording", title: path, role: "status" }, text, iconButton(icons.copy, "Copy the path", () => void this.copy(path)), close);
     return this.savedElement;
   }

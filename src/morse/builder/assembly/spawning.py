@@ -111,7 +111,9 @@ def describe_newcomer(
                 newcomer.add_default_interface(interface)
             connect_by_default(newcomer)
         parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
-        complete = Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
+        # a declaration may add roots: the boxes of a dispenser move freely
+        declarations = [declare(part) for part in parts]
+        complete = Newcomer(list(described.roots), declarations, list(described.models))
         return _checked(complete, present)
 
 
