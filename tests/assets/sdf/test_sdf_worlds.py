@@ -83,6 +83,39 @@ def test_the_newest_version_of_a_model_is_used(tmp_path) -> None:
     assert list(places(load(world(tmp_path, "<include><uri>model://crate</uri></include>")))) == ["newer"]
 
 
+def test_models_stand_where_the_saved_state_has_them(tmp_path) -> None:
+    model(tmp_path / "models", "crate", CRATE)
+    box = "<link name='l'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>"
+    path = world(
+        tmp_path,
+        f"""
+      <frame name="f"><pose>5 5 5 0 0 0</pose></frame>
+      <model name="wall"><static>1</static><pose relative_to="f">3 0 0 0 0 0</pose>{box}</model>
+      <model name="other"><static>1</static><pose>0 7 0 0 0 0</pose>{box}</model>
+      <model name="broken"><static>1</static><pose>0 8 0 0 0 0</pose>{box}</model>
+      <include><uri>model://crate</uri><name>second</name><pose>3 0 0.5 0 0 1</pose></include>
+      <state world_name="w"><sim_time>1 0</sim_time>
+        <model name="wall"><pose frame="">2.5 1 0 0 0 0</pose><scale>1 1 1</scale>
+          <link name="l"><pose>2.5 1 0 0 0 0</pose></link></model>
+        <model name="second"><pose>4 0 0.25 0 0 0</pose><scale>1 2 1</scale></model>
+        <model name="broken"><pose>0 nan 0 0 0 0</pose></model>
+        <model name="nobody"><pose>9 9 9 0 0 0</pose></model>
+      </state>
+      <state world_name="w"><model name="wall"><pose>0 0 0 0 0 0</pose></model></state>""",
+        version="1.7",
+    )
+    library = load(path)
+    assert places(library) == {
+        "wall": [2.5, 1, 0],
+        "other": [0, 7, 0],
+        "broken": [0, 8, 0],
+        "second": [4, 0, 0.25],
+    }
+    assert len(library.warnings) == 2
+    assert "the scale of the model 'second' in <state> is left out" in library.warnings
+    assert "'broken'" in library.warnings[1]
+
+
 def test_a_floor_and_a_sun_need_not_be_installed(tmp_path) -> None:
     library = load(
         world(tmp_path, "<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include>")
@@ -462,14 +495,14 @@ def test_what_is_left_out_is_one_line_for_each_kind(tmp_path) -> None:
     library = load(
         world(
             tmp_path,
-            """<wind/><state world_name="w"/><plugin name="gz::sim::systems::Physics" filename="p"/>
+            """<wind/><plugin name="gz::sim::systems::Physics" filename="p"/>
       <plugin name="Weather" filename="libweather.so"/><model name="m"><link name="a"><projector name="p"/>
       <projector name="q"/></link><link name="b"/><joint name="j" type="fixed"><parent>a</parent><child>b</child>
       <sensor name="radio" type="wireless_receiver"/></joint></model>""",
         )
     )
     assert library.warnings == [
-        "elements of world.sdf that MORSE does not have are left out: 2 <projector>, 1 <state>, 1 <wind>",
+        "elements of world.sdf that MORSE does not have are left out: 2 <projector>, 1 <wind>",
         "sensors that MORSE does not have are left out: 'radio' (wireless_receiver)",
         "plugins of the world are left out: Weather",
     ]

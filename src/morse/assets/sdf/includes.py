@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from morse.assets.errors import AssetError
-from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text_of, version_of
+from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text_of, vector, version_of
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import NotDownloadedError, find_model, read_root
 from morse.assets.sdf.scope import MODEL, Part, Scope
@@ -45,7 +45,7 @@ _DEEPEST, _MOST_INCLUDES = 20, 2000
 _MOST_PARTS = 20_000
 #: elements with an effect in Gazebo
 _LEFT_OUT = (
-    "particle_emitter", "projector", "audio_source", "audio_sink", "battery", "gripper", "population", "road", "state",
+    "particle_emitter", "projector", "audio_source", "audio_sink", "battery", "gripper", "population", "road",
     "fluid_added_mass", "wind",
 )  # fmt: skip
 _COUNTED = ("link", "joint", "frame", "visual", "collision", "sensor", "model", "light", "plugin", "waypoint")
@@ -97,7 +97,29 @@ class Includes:
     def world(self, element: Element, path: Path, version: tuple[int, ...]) -> Scope:
         """The content of an element ``world`` of the file that was asked for; see `scope`."""
         self._stack.append(path.resolve())
-        return self.scope(element, path, version)
+        scope = self.scope(element, path, version)
+        self._apply_state(scope, element.find("state"))
+        return scope
+
+    def _apply_state(self, scope: Scope, state: Element | None) -> None:
+        """Put the models of a world where they stood when Gazebo saved it, as Gazebo Classic does.
+
+        Gazebo writes the poses at which models were inserted into their elements, and where they have been moved to
+        into the state.
+        """
+        for saved in () if state is None else state:
+            if saved.tag in ("insertions", "deletions") and len(saved):
+                self.warn(f"the <{saved.tag}> of <state> are left out")
+            model = scope.models.get(_name(saved)) if saved.tag == "model" else None
+            if model is None:
+                continue
+            try:
+                if saved.find("pose") is not None:
+                    model.pose, model.base, model.placement = pose_of(saved.find("pose")), "", ""
+                if vector(saved, "scale", (1.0, 1.0, 1.0)) != (1.0, 1.0, 1.0):
+                    self.warn(f"the scale of the model '{model.name:.60}' in <state> is left out")
+            except ValueMistakeError as error:
+                self.warn(f"the model '{model.name:.60}' in <state>: {error}")
 
     # -- scopes ------------------------------------------------------------------------------
 
