@@ -95,6 +95,88 @@ def pcd_points(path):
     return np.stack([points[axis] for axis in "xyz"], axis=1).astype(float)
 
 
+def _seen(changes=()):
+    """Two cameras with the same view, and the options of the one with colors."""
+
+    def scene():
+        from morse.builder import ATRV, Cube, Environment, SegmentationCamera, VideoCamera
+
+        robot = ATRV("robot")
+        for camera in (SegmentationCamera("labels"), VideoCamera("eye")):
+            camera.properties(cam_width=24, cam_height=16)
+            camera.translate(x=0.6, y=0.2, z=1.0)
+            camera.rotate(z=0.1)
+            camera.frequency(2)
+            if camera.name == "eye":
+                for change in changes:
+                    change(camera)
+            robot.append(camera)
+        for number, (kind, x, y) in enumerate([("parcel", 4.0, 0.5), ("parcel", 4.0, -1.2), ("shelf", 6.0, 2.5)]):
+            box = Cube(f"Box{number}")
+            box.scale, box.location = (0.4, 0.4, 0.4), (x, y, 0.4)
+            box.properties(Object=True, Type=kind)
+            box.static()
+        Environment("empty")
+
+    return scene
+
+
+def test_labelled_pictures_are_read_by_pycocotools(tmp_path):
+    coco = pytest.importorskip("pycocotools.coco")
+    from PIL import Image
+
+    truth = []
+    with morse.load(_seen()) as sim, sim.record(tmp_path / "run.mcap"):
+        for _ in range(4):
+            sim.step(30)
+            data = sim.robot.labels.data
+            truth.append((data["timestamp"], [dict(one) for one in data["objects"]], np.array(data["image"])))
+            picture = np.array(sim.robot.eye.data["image"])
+    files, _ = exported(tmp_path / "run.mcap", tmp_path / "out", "coco")
+    assert [(one.topic, one.rows) for one in files] == [("/robot/labels/image", 4)]
+    data = coco.COCO(files[0].path / "annotations.json")
+    names = {one["id"]: one["name"] for one in data.loadCats(data.getCatIds())}
+    assert set(names.values()) == {"parcel", "shelf"}
+    assert len(data.imgs) == len(truth)
+    for (time, objects, ids), number in zip(truth, sorted(data.imgs), strict=True):
+        image = data.imgs[number]
+        assert image["time"] == pytest.approx(time, abs=1e-6)
+        with Image.open(files[0].path / "images" / image["file_name"]) as content:
+            colors = np.array(content)
+        assert colors.shape == (image["height"], image["width"], 3) == (16, 24, 3)
+        expected = {one["id"]: one for one in objects if one["class"]}
+        found = {one["object"]["id"]: one for one in data.loadAnns(data.getAnnIds(imgIds=number))}
+        assert set(found) == set(expected) != set()
+        for key, one in found.items():
+            x0, y0, x1, y1 = expected[key]["box"]
+            assert one["bbox"] == [x0, y0, x1 - x0, y1 - y0]
+            assert names[one["category_id"]] == expected[key]["class"]
+            assert one["area"] == expected[key]["pixels"]
+            assert (data.annToMask(one).astype(bool) == (ids == key)).all()
+    assert (colors == picture[:, :, :3]).all()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda camera: camera.translate(x=0.01),
+        lambda camera: camera.rotate(z=0.02),
+        lambda camera: camera.properties(cam_width=20),
+        lambda camera: camera.properties(cam_focal=30.0),
+    ],
+)
+def test_a_camera_with_another_view_has_no_labels(tmp_path, change):
+    with morse.load(_seen([change])) as sim, sim.record(tmp_path / "run.mcap"):
+        sim.step(40)
+    with pytest.raises(RecordingError, match="no color camera sees the same: add a VideoCamera"):
+        exported(tmp_path / "run.mcap", tmp_path / "out", "coco")
+
+
+def test_without_a_segmentation_camera_there_are_no_labels(recording, tmp_path):
+    with pytest.raises(RecordingError, match="has no pictures with labels: it has no images of a SegmentationCamera"):
+        exported(recording[0], tmp_path / "out", "coco")
+
+
 def test_arrays_of_numpy_need_no_pickle(recording, tmp_path):
     path, truth = recording
     files, _ = exported(path, tmp_path / "numpy", "numpy", ["/robot/pose", "/morse/fields/robot/pose", "/robot/laser"])

@@ -220,7 +220,9 @@ def command(
     form: Annotated[
         str | None,
         typer.Option(
-            "--as", metavar="FORM", help="For other tools: tum, kitti, euroc (poses), pcd, las (point clouds), numpy."
+            "--as",
+            metavar="FORM",
+            help="For other tools: tum, kitti, euroc (poses), pcd, las (point clouds), coco (labels), numpy.",
         ),
     ] = None,
     to: Annotated[
@@ -381,7 +383,7 @@ def command(
         say(remark)
     for one in paths:
         without = f", without {', '.join(one.left_out)} (--parquet exports them)" if one.left_out else ""
-        say(f"{one.path}: {one.rows} rows of {one.topic}{without}")
+        say(f"{one.path}: {one.rows} {'pictures' if form == 'coco' else 'rows'} of {one.topic}{without}")
     return 0
 
 

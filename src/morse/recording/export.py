@@ -1,4 +1,4 @@
-"""Exports the topics of a recording: tables, trajectories, point clouds."""
+"""Exports the topics of a recording: tables, trajectories, point clouds, pictures with labels."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import nearest
 from morse.core.validation.names import file_name
+from morse.recording.coco import cameras_with_labels, write_labels
 from morse.recording.errors import RecordingError
 from morse.recording.fields import DECLARED, FIELDS
 from morse.recording.fields.blocks import block_of
@@ -221,6 +222,7 @@ _SUFFIXES = {
     "euroc": ".euroc.csv",
     "pcd": ".pcd",
     "las": ".las",
+    "coco": ".coco",
 }
 #: the forms of an export, and those for any topic
 FORMS = tuple(_SUFFIXES)
@@ -320,6 +322,8 @@ def export(
     tables: list[Written] = []
     remarks: list[str] = []
     names: dict[str, int] = {}
+    if form == "coco":
+        return _data_sets(file, topics_to_write, target, names)
     for begin in range(0, len(topics_to_write), _FILES):
         tables += _some(file, topics_to_write[begin : begin + _FILES], target, form, names, remarks)
     if form in _TABLES or topics:
@@ -329,6 +333,28 @@ def export(
         raise RecordingError(f"{file.path} has no topic with {what}")
     # the other topics have nothing of that kind
     return tables, []
+
+
+def _data_sets(
+    file: McapFile, channels: list[Channel], target: Path, names: dict[str, int]
+) -> tuple[list[Written], list[str]]:
+    """A folder for each segmentation camera."""
+    cameras = cameras_with_labels(file)
+    written: list[Written] = []
+    remarks: list[str] = []
+    for channel in channels:
+        if channel.topic in cameras:
+            folder = target / f"{_file_name(channel.topic, names)}{_SUFFIXES['coco']}"
+            try:
+                pictures = write_labels(file, channel.topic, folder)
+            except RecordingError as error:
+                remarks.append(f"{channel.topic} is left out: {error}")
+            else:
+                written.append(Written(folder, channel.topic, pictures, ()))
+    if not written:
+        why = "; ".join(remarks) or "it has no images of a SegmentationCamera"
+        raise RecordingError(f"{file.path} has no pictures with labels: {why}")
+    return written, remarks
 
 
 def _some(
