@@ -10,7 +10,7 @@ import morse
 from morse.helpers.air import wind
 from morse.plugins.weather.medium import LIDAR, VISIBLE, Beam, Conditions, drops_of, falling_speed
 from morse.plugins.weather.radio import attenuation
-from morse.plugins.weather.services import outputs, turbulence
+from morse.plugins.weather.services import outputs, settled, turbulence
 from tests.kit.scenes import Load, script
 
 WALL = """
@@ -174,6 +174,29 @@ def test_gusts_have_the_spectrum_of_dryden():
         band = slice(4, 400)  # below a tenth of the rate
         ratio = power[band, axis].reshape(-1, 36).mean(axis=1) / expected[band].reshape(-1, 36).mean(axis=1)
         assert ratio == pytest.approx(1.0, abs=0.15)
+
+
+def test_gusts_have_their_strength_from_the_first_tick_on(load: Load):
+    """Runs of a second are as gusty as long ones: the filters begin as after a long time."""
+    random = np.random.default_rng(5)
+    states = np.array([settled(white) for white in random.standard_normal((4000, 5))])
+    for tick in (0, 1, 200):
+        gusts = np.array([outputs(state) for state in states])
+        assert gusts.std(axis=0) == pytest.approx(1.0, abs=0.05)
+        assert np.abs(gusts.mean(axis=0)).max() < 0.06
+        if tick:
+            states = np.array([turbulence(state, random.standard_normal(3), 0.2 * tick, 6.0) for state in states])
+    first = []
+    for seed in (1, 2):
+        simulation = load(
+            "robot = FakeRobot()\nenv = Environment('empty')\nenv.weather(wind=(6, 0), gusts=1.5)\n", seed=seed
+        )
+        first.append(wind(simulation.context))
+        simulation.step(40)
+        simulation.reset(seed=seed)
+        assert wind(simulation.context) == first[-1]
+    assert first[0] != first[1]
+    assert first[0][0] != 6.0
 
 
 @pytest.mark.parametrize("mean", [(0.2, 0.1, 0.0), (3.0, 0.0, 4.0), (0.0, 0.0, 5.0), (-3.0, 4.0, 0.0)])

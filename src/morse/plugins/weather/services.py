@@ -107,7 +107,7 @@ class Weather(AbstractObject):
         self._air = context.server(Air)
         if self._script.get("ground_effect"):
             self._air.thrust = self._thrust
-        self._filters = np.zeros(5)
+        self._filters = self._settled()
         #: cross-sections of robots along their axes, m^2; by the robot, because another one may get its name
         self._areas: WeakKeyDictionary[Carrier, np.ndarray] = WeakKeyDictionary()
         #: radius of the rotors of robots, m, and the ray that measures their height
@@ -127,8 +127,11 @@ class Weather(AbstractObject):
         zones = self._script["zones"]
         self._zones = [zone for zone, _ in zones]
         self._plans = [*(_Plan.of_script(plan) for _, plan in zones), _Plan.of_script(self._script)]
-        self._filters = np.zeros(5)
+        self._filters = self._settled()
         self._follow(0.0)
+
+    def _settled(self) -> np.ndarray:
+        return settled(self._context.random_at("weather/gusts at the start").standard_normal(5))
 
     @service
     def set(self, values: dict[str, object], seconds: Duration = 0.0, zone: str | None = None) -> dict[str, object]:
@@ -272,6 +275,16 @@ class Weather(AbstractObject):
             return np.zeros(3)
         x, y, z = corners[1] - corners[0]
         return np.array([y * z, x * z, x * y])
+
+
+def settled(white: np.ndarray) -> np.ndarray:
+    """Return a state (5,) of the filters as after a long time, from independent numbers (5,) of deviation 1.
+
+    A filter that begins at 0 takes several times its own time, 100 s in light wind, to reach its deviation.
+    """
+    u, v, v_own, w, w_own = white
+    # a slow filter has half of the variance of the fast one, and a covariance with it of a half
+    return np.array([u, v, 0.5 * (v + v_own), w, 0.5 * (w + w_own)])
 
 
 def turbulence(filters: np.ndarray, white: np.ndarray, period: float, speed: float) -> np.ndarray:
