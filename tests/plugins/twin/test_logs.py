@@ -10,7 +10,9 @@ import pytest
 import morse
 from morse.core.exceptions import MorseError
 from morse.many import Twin
+from morse.physics import UnstableError
 from morse.plugins.twin.log import _flat, read_log
+from morse.simulation.simulation import Simulation
 
 SCENE = """
 from morse.builder import *
@@ -23,6 +25,7 @@ env = Environment("empty")
 """
 #: 5 s at 0.4 m/s, turning at 0.5 rad/s: a circle of 0.8 m
 SPEED, RATE = 0.4, 0.5
+MOVING = "[robot.motion]\ntopic = 'drive'\nv = 'motion.v'\nw = 'motion.w'\n[robot.pose]\ntopic = 'drive'\n"
 
 
 def circle(time):
@@ -376,6 +379,15 @@ def test_a_time_that_is_years_off_is_told_instead_of_simulated(tmp_path, scene, 
             "is no column",
         ),
         ("[robot.motion]\ntopic = 'drive'\nv = ''", "is no column"),
+        *(
+            (MOVING + f"x = {x}", text)
+            for x, text in (
+                ("['pose.x']", "has one number"),
+                ("['pose.x', 'pose.x']", "has one number"),
+                ("'1e300 * motion.v'", "no sample"),
+                ("'1e400 * motion.v'", "no sample"),
+            )
+        ),
     ],
 )
 def test_wrong_tables_are_refused(tmp_path, scene, table, text):
@@ -383,6 +395,19 @@ def test_wrong_tables_are_refused(tmp_path, scene, table, text):
     (tmp_path / "drive.csv").write_text("\n".join(lines))
     with pytest.raises(MorseError, match=text):
         Twin(tmp_path / "drive.csv", scene, table=_table(tmp_path, table))
+
+
+def test_commands_that_no_simulation_follows_are_told(tmp_path, scene, monkeypatch):
+    lines = ["time,motion.v,motion.w,pose.x"] + [f"{k / 10},1,0,0" for k in range(20)]
+    (tmp_path / "drive.csv").write_text("\n".join(lines))
+    twin = Twin(tmp_path / "drive.csv", scene, table=_table(tmp_path, MOVING + "x = 'pose.x'"))
+
+    def diverge(*_args, **_options):
+        raise UnstableError("robot", "it is far away")
+
+    monkeypatch.setattr(Simulation, "step", diverge)
+    with pytest.raises(MorseError, match="cannot follow the commands of the log: the physics of 'robot' diverged"):
+        twin.fit(workers=0)
 
 
 def test_names_of_topics_that_control_a_terminal_are_shown_harmless(tmp_path, scene):

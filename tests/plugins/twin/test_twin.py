@@ -236,6 +236,7 @@ def test_a_world_that_is_too_small_is_told(tmp_path):
         '{"morse preset": 1, "values": {"robot.mass": NaN}}',
         '{"morse preset": 1, "values": {"robot.mass": 1e999}}',
         '{"morse preset": 1, "values": {"robot.mass": true}}',
+        f'{{"morse preset": 1, "values": {{"robot.mass": {10**400}}}}}',
         '{"morse preset": 1, "values": {"robot.mass": -1}}',
         '{"morse preset": 1, "values": {"robot.weight": 1}}',
         "[" * 100_000,
@@ -247,6 +248,7 @@ def test_wrong_presets_are_refused_with_the_line_of_the_script(tmp_path, text):
     with pytest.raises(MorseError) as error:
         morse.load(tmp_path / "scene.py")
     assert "scene.py:10: " in str(error.value)
+    assert "OverflowError" not in str(error.value)
 
 
 def test_a_preset_that_does_not_exist_is_named(tmp_path):

@@ -37,8 +37,8 @@ _INPUTS, _COMMAND = "/morse/inputs", "command"
 _MOST_NUMBERS, _MOST_ITEMS, _MOST_COLUMNS, _MOST_TOPICS = 100_000_000, 2048, 4096, 2000
 #: most places of a log of ArduPilot without a message
 _MOST_SKIPPED = 1_000_000
-#: latest time of a log, s: 3,000 years
-_LATEST = 1e11
+#: latest time of a log, s; differences of later ones say nothing
+_LATEST = 1e15
 #: largest size of a CSV file, bytes, and of a file that a package reads as a whole
 _LARGEST_CSV, _LARGEST = 1 << 30, 4 << 30
 #: names of the column of time in CSV files, and the unit of each, s

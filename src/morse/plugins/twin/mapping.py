@@ -14,6 +14,7 @@ import numpy as np
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import nearest, quoted, short
 from morse.plugins.twin.log import COMMANDS
+from morse.plugins.twin.parameters import GREATEST
 from morse.plugins.twin.replay import Samples
 from morse.system.regular_files import read_regular
 
@@ -319,18 +320,22 @@ def samples_of(link: Link, log: Log, fields: Mapping[str, DataField]) -> Samples
                 )
         except MappingError as error:
             raise MappingError(f"{_place(link)}{link.component}.{field}: {error}") from None
+        if not isinstance(source, str) and any(part.ndim != 1 for part in parts):
+            raise MappingError(f"{_place(link)}{link.component}.{field}: a list has columns of numbers, not of lists")
         columns[field] = parts[0] if isinstance(source, str) else np.stack(parts, axis=1)
         shape = _shape(fields[field])
-        if columns[field].ndim == 2 and shape is not None and columns[field].shape[1] != shape:
+        is_number = shape is None and isinstance(fields[field].default, (int, float))
+        if columns[field].ndim == 2 and (is_number or (shape is not None and columns[field].shape[1] != shape)):
             raise MappingError(
-                f"{_place(link)}{link.component}.{field} has {shape} numbers, {short(link.topic)} has "
-                f"{columns[field].shape[1]}"
+                f"{_place(link)}{link.component}.{field} has {'one number' if is_number else f'{shape} numbers'}, "
+                f"{short(link.topic)} has a list of {columns[field].shape[1]}"
             )
     is_finite = np.ones(len(one.times), bool)
     for field, values in columns.items():
         source = link.sources[field]
         numbers = values if values.ndim == 1 or isinstance(source, str) else values[:, [bool(text) for text in source]]
-        is_finite &= np.isfinite(numbers) if numbers.ndim == 1 else np.isfinite(numbers).all(axis=1)
+        is_small = np.abs(numbers) <= GREATEST
+        is_finite &= is_small if numbers.ndim == 1 else is_small.all(axis=1)
     if not is_finite.any():
         # beams without an echo: those that have one are compared
         raise MappingError(

@@ -35,6 +35,8 @@ _FRICTION = 0.7
 _JOINT = ("gain", "slowing", "damping", "friction", "inertia", "stiffness")
 #: largest size of a preset, bytes, and number of its values
 _LARGEST, _MOST = 1 << 20, 10_000
+#: greatest number that is a measurement: squares of greater ones overflow
+GREATEST = 1e100
 #: the key of presets, and the number of their format
 FORMAT, PRESENT = "morse preset", 1
 #: longest list in a field whose items are parameters
@@ -566,7 +568,7 @@ def read_preset(path: str | os.PathLike[str]) -> dict[str, float]:
     if len(values) > _MOST:
         raise ParameterError(f"{file} has more than {_MOST:,} values")
     for name, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= GREATEST:
             raise ParameterError(f"{file}: {quoted(name)} is {quoted(value)}, expected a number")
     return {name: float(value) for name, value in values.items()}
 

@@ -18,6 +18,7 @@ from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component, properties
 from morse.core.exceptions import MorseError
 from morse.core.observer import Observer
+from morse.physics import UnstableError
 from morse.simulation.handles.component_handles import handle_of
 from morse.system.workers import Server, Worker, WorkerPool, can_fork
 
@@ -159,15 +160,16 @@ def replay(
             raise ReplayError(f"the scene cannot be driven by the log: {error}") from None
         simulation.observers.append(keeper)
         last = 0
-        for tick in sorted({tick for _, table in orders for tick in table}):
-            if tick > last:
-                simulation.step(tick - last)
-                last = tick
-            for handle, table in orders:
-                if tick in table:
-                    _publish(handle, table[tick], tick / frequency)
-        if ticks > last:
-            simulation.step(ticks - last)
+        try:
+            for tick in sorted({ticks, *(tick for _, table in orders for tick in table)}):
+                if tick > last:
+                    simulation.step(tick - last)
+                    last = tick
+                for handle, table in orders:
+                    if tick in table:
+                        _publish(handle, table[tick], tick / frequency)
+        except UnstableError as error:
+            raise ReplayError(f"the simulation cannot follow the commands of the log: {error}") from None
         for failure in simulation.failures:
             if failure.kind == "fallen":
                 raise ReplayError(
