@@ -974,3 +974,128 @@ def test_a_near_plane_at_the_camera_is_an_error_and_ends_no_process(name: str, v
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
     assert done.stdout == "True\nbatch\n", done.stderr[-500:]
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.4, 0.6])
+def test_orthographic_cameras_have_the_sky_and_the_haze_of_their_own_place(slope: float) -> None:
+    xml = (
+        '<mujoco><statistic extent="1" center="0 0 0"/><visual><rgba haze="1 0 0 1"/><map zfar="20"/>'
+        '<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual><asset>'
+        '<texture type="skybox" builtin="flat" rgb1="0 0 1" rgb2="0 0 1" width="8" height="48"/></asset><worldbody>'
+        '<geom type="plane" size="0 0 1" rgba="0 1 0 1"/><camera name="o" projection="orthographic" fovy="1" '
+        f'pos="0 0 2" xyaxes="1 0 0 0 {slope} 1"/></worldbody></mujoco>'
+    )
+    picture = _picture(xml, camera="o", size=9)
+    if slope:
+        # the plane is nearer than the haze
+        assert (picture == [0, 255, 0]).all()
+    else:
+        # a ray that is half as high as the camera meets the haze half-way; the sky is above the camera
+        assert (picture[:4] == [0, 0, 255]).all()
+        down = np.arange(1, 5) / 9 / 2
+        red = 255 * down
+        assert picture[5:, 4] == pytest.approx(np.stack([red, 0 * red, 255 - red], axis=1), abs=3)
+
+
+def test_planes_that_are_turned_away_from_orthographic_cameras_are_not_drawn() -> None:
+    xml = (
+        '<mujoco><statistic extent="1" center="0 0 0"/><worldbody><geom type="plane" size="0 0 1"/>'
+        '<camera name="o" projection="orthographic" fovy="4" pos="0 0 .5" xyaxes="1 0 0 0 -.2 1"/></worldbody></mujoco>'
+    )
+    assert (_picture(xml, mode="ids", camera="o") == -1).all()
+    assert (_picture(xml, camera="o") == 0).all()
+
+
+def test_fog_of_orthographic_cameras_begins_at_their_place() -> None:
+    def fog(renderer: morse.Renderer) -> None:
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = 1
+
+    visual = (
+        '<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/><rgba fog="1 0 0 1"/>'
+        '<map fogstart=".5" fogend="1.5"/>'
+    )
+    camera = '<camera name="o" projection="orthographic" fovy="2" pos="0 0 2"/>'
+    xml = _world(camera + '<geom type="box" size=".5 .5 .1" pos="0 0 .4" rgba="0 1 0 1"/>', visual)
+    # fog is from 1 to 3 m, the surface at 1.5 m
+    assert _picture(xml, camera="o", prepare=fog)[32, 32].tolist() == pytest.approx([64, 191, 0], abs=2)
+
+
+def _appended(kind: mujoco.mjtGeom, size: tuple[float, float, float], **fields: int) -> Callable[[Any], None]:
+    """Appends a geom at the origin with its Z axis along X of the picture, to the right."""
+
+    def add(renderer: morse.Renderer) -> None:
+        geom = renderer.scene.geoms[renderer.scene.ngeom]
+        turn = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+        color = np.array([1, 0.5, 0.25, 1], np.float32)
+        mujoco.mjv_initGeom(geom, kind, np.array(size), np.zeros(3), turn.ravel(), color)
+        for name, value in fields.items():
+            setattr(geom, name, value)
+        renderer.scene.ngeom += 1
+
+    return add
+
+
+_BRIGHT = '<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/>'
+_ORTHO = '<camera name="o" projection="orthographic" fovy="2" pos="0 0 2"/>'
+
+
+@pytest.mark.parametrize(
+    ("kind", "begin", "end", "widths"),
+    [
+        # half as long as their size, a third of which is the head, which is 1.75 as wide as the shaft or as wide
+        ("ARROW", 0.0, 0.5, {0.1: 0.1, 0.3: 0.1, 0.35: 0.157, 0.42: 0.084, -0.1: 0.0}),
+        ("ARROW1", 0.0, 0.5, {0.1: 0.1, 0.3: 0.1, 0.35: 0.09, 0.42: 0.048, -0.1: 0.0}),
+        ("ARROW2", -0.5, 0.5, {0.1: 0.1, -0.1: 0.1, 0.35: 0.157, -0.35: 0.157, -0.42: 0.084}),
+    ],
+)
+def test_arrows_have_the_sizes_of_opengl(kind: str, begin: float, end: float, widths: dict[float, float]) -> None:
+    add = _appended(getattr(mujoco.mjtGeom, f"mjGEOM_{kind}"), (0.05, 0.05, 1.0))
+    picture = _picture(_world(_ORTHO, _BRIGHT), prepare=add, camera="o", size=401)
+    seen = picture.sum(axis=2) > 200
+    columns = (np.flatnonzero(seen.any(axis=0)) - 200) / 200.5
+    assert (columns.min(), columns.max()) == pytest.approx((begin, end), abs=0.02)
+    for place, width in widths.items():
+        assert seen[:, round(200 + place * 200.5)].sum() / 200.5 == pytest.approx(width, abs=0.012)
+
+
+@pytest.mark.parametrize("factor", [1, 3])
+def test_lines_are_not_lit_and_have_widths_of_pixels(factor: int) -> None:
+    dark = f'<global linewidth="{factor}"/>{_DARK}'
+    camera = '<camera name="o" projection="orthographic" fovy="2" pos=".2 0 2"/>'
+    add = _appended(mujoco.mjtGeom.mjGEOM_LINE, (2.0, 2.0, 0.5))
+    column = _picture(_world(camera, dark), prepare=add, camera="o", size=100)[:, 50]
+    assert column.max(axis=0).tolist() == pytest.approx([255, 127.5, 63.75], abs=1)
+    assert column.sum(axis=0)[0] / 255 == pytest.approx(2 * factor, abs=0.6)
+    # a line of any width is seen
+    add = _appended(mujoco.mjtGeom.mjGEOM_LINE, (0.01, 0.01, 0.5))
+    assert _picture(_world(camera, dark), prepare=add, camera="o", size=100)[:, 50].any()
+
+
+def test_frames_of_boxes_are_their_edges() -> None:
+    add = _appended(mujoco.mjtGeom.mjGEOM_LINEBOX, (0.2, 0.4, 0.6))
+    seen = _picture(_world(_ORTHO, _DARK), prepare=add, camera="o", size=200).sum(axis=2) > 0
+    rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    assert (rows.min(), rows.max()) == pytest.approx((60, 140), abs=2)
+    assert (columns.min(), columns.max()) == pytest.approx((40, 160), abs=2)
+    assert not seen[64:136, 44:156].any()
+
+
+@pytest.mark.parametrize(
+    ("material", "texture", "code"),
+    [(-1, 0, (255, 128, 64)), (0, -1, (255, 0, 0)), (0, 0, (255, 0, 0)), (0, 1, (0, 64, 0)), (7, -1, (255, 128, 64))],
+)
+def test_textures_of_geoms_are_those_of_their_materials_unless_they_have_their_own(
+    material: int, texture: int, code: tuple[int, int, int]
+) -> None:
+    asset = "".join(
+        f'<texture name="{name}" type="2d" builtin="flat" rgb1="{rgb}" width="8" height="8"/>'
+        for name, rgb in (("r", "1 0 0"), ("g", "0 .5 0"))
+    )
+    asset += '<material name="r" texture="r"/>'
+    add = _appended(mujoco.mjtGeom.mjGEOM_SPHERE, (0.4, 0.4, 0.4), matid=material, texid=texture)
+    assert _picture(_world("", _BRIGHT, asset), prepare=add)[32, 32].tolist() == pytest.approx(code, abs=1)
+
+
+def test_translucent_surfaces_at_the_place_of_others_are_seen() -> None:
+    box = '<geom type="box" size=".2 .2 .2" rgba="1 0 0 1"/><geom type="box" size=".2 .2 .2" rgba="0 1 0 .5"/>'
+    assert _picture(_world(box, _BRIGHT))[32, 32].tolist() == pytest.approx([64, 191, 0], abs=2)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 from functools import lru_cache
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -44,7 +45,20 @@ _OF_MATERIALS = ("texid", "texuniform", "texrepeat")
 _RGB = 1
 #: the fields on which the instances depend, but not their poses
 _LOOKS = (
-    *("type", "dataid", "objid", "segid", "texid", "texuniform", "texcoord", "size", "rgba", "emission", "specular"),
+    *(
+        "type",
+        "dataid",
+        "objid",
+        "segid",
+        "matid",
+        "texid",
+        "texuniform",
+        "texcoord",
+        "size",
+        "rgba",
+        "emission",
+        "specular",
+    ),
     *("shininess", "reflectance", "texrepeat", "castshadow"),
 )
 
@@ -120,11 +134,18 @@ def _with_textures(used: NDArray[np.void], model: Any) -> NDArray[np.void]:
     rows = np.flatnonzero((used["matid"] >= 0) & (used["matid"] < (0 if model is None else model.nmat)))
     if len(rows):
         of = used["matid"][rows]
-        # before 3.2, materials had one texture
-        textures = np.asarray(model.mat_texid).reshape(model.nmat, -1)
-        geoms["texid"][rows] = textures[of, min(_RGB, textures.shape[1] - 1)]
+        geoms["texid"][rows] = textures_of_materials(model)[of]
         geoms["texuniform"][rows], geoms["texrepeat"][rows] = model.mat_texuniform[of], model.mat_texrepeat[of]
     return geoms
+
+
+def textures_of_materials(model: Any) -> NDArray[np.int32]:
+    """(M,) the texture of the colour of each material, -1 for none."""
+    if not model.nmat:
+        return np.zeros(0, np.int32)
+    # before 3.2, materials had one texture
+    textures = np.asarray(model.mat_texid, np.int32).reshape(model.nmat, -1)
+    return np.ascontiguousarray(textures[:, min(_RGB, textures.shape[1] - 1)])
 
 
 class Instances(NamedTuple):
@@ -168,6 +189,7 @@ class Instances(NamedTuple):
         forward: NDArray[np.floating],
         reach: float,
         focal: float,
+        linewidth: float,
     ) -> Poses:
         """Return the poses of the instances at the present poses of the geoms; infinite planes follow the camera.
 
@@ -176,6 +198,7 @@ class Instances(NamedTuple):
             forward: (3,) its direction.
             reach: m, to the border of infinite planes.
             focal: focal length, pixels: the widths of lines are pixels.
+            linewidth: factor of the widths of lines.
         """
         rotation, places = g["mat"].reshape(-1, 3, 3)[self.geoms], g["pos"][self.geoms]
         # the vertices of skins and flexes are those in the world
@@ -200,9 +223,12 @@ class Instances(NamedTuple):
         if len(self.lines):
             scales = scales.copy()
             of = self.geoms[self.lines]
-            middle = g["pos"][of] + rotation[self.lines][:, :, 2] * offsets[self.lines, 2:]
+            middle = g["pos"][of] + (rotation[self.lines] * offsets[self.lines, None]).sum(axis=2)
             depth = np.maximum(((middle - np.asarray(eye, np.float32)) * forward).sum(axis=1), 1e-3)
-            scales[self.lines, :2] = (g["size"][of, 0] * depth / (2 * focal))[:, None]
+            half = widths_of(g[of], linewidth) * depth / (2 * focal)
+            own = scales[self.lines]
+            # their extents across have no size
+            scales[self.lines] = np.where(own == 0.0, half[:, None], own)
         linear = rotation * scales[:, None, :]
         models = np.empty((len(scales), 3, 4), np.float32)
         models[:, :, :3] = linear
@@ -215,9 +241,15 @@ class Instances(NamedTuple):
         return Poses(models.reshape(-1, 12), np.ascontiguousarray(turns.reshape(-1, 9), np.float32))
 
 
-def _textures(g: NDArray[np.void], count: int) -> NDArray[np.int32]:
-    """Numbers of the textures of geoms, -1 for none: geoms that programs append may have any number."""
-    return np.where((g["texid"] >= 0) & (g["texid"] < count), g["texid"], np.int32(-1))
+def _textures(g: NDArray[np.void], count: int, of_materials: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Numbers of the textures of geoms, -1 for none: geoms that programs append may have any number.
+
+    As in MuJoCo, geoms without a material have none, and those without one of their own have that of the material.
+    """
+    table = np.append(of_materials, np.int32(-1))
+    known = (g["matid"] >= 0) & (g["matid"] < len(of_materials))
+    texids = np.where(known & (g["texid"] < 0), table[np.where(known, g["matid"], -1)], g["texid"])
+    return np.where((g["matid"] >= 0) & (texids >= 0) & (texids < count), texids, np.int32(-1))
 
 
 def looks_of(g: NDArray[np.void]) -> bytes:
@@ -240,11 +272,18 @@ _PARTS: dict[int, tuple[tuple[str, tuple[int, int, int], float], ...]] = {
     CAPSULE: (("tube", (0, 1, 2), 0.0), ("top", (0, 1, 0), 1.0), ("bottom", (0, 1, 0), -1.0)),
     CYLINDER: (("cylinder", (0, 1, 2), 0.0),),
     BOX: (("box", (0, 1, 2), 0.0),),
-    LINEBOX: (("box", (0, 1, 2), 0.0),),
     TRIANGLE: (("triangle", (0, 1, 2), 0.0),),
 }
+#: what consists of lines, which are not lit and cast no shadows; pixels of the edges of a box
+LINES, _EDGE = (LINE, LINEBOX), 1.5
 #: shapes that are not scaled
 _WHOLE = (MESH, SDF, HFIELD)
+
+
+def widths_of(g: NDArray[np.void] | np.void, linewidth: float) -> NDArray[np.float32]:
+    """The widths of lines, pixels."""
+    widths = np.where(g["type"] == LINE, np.abs(g["size"][..., 0]), np.float32(_EDGE)) * np.float32(linewidth)
+    return np.asarray(np.maximum(widths, 1.0), np.float32)
 
 
 class _Part(NamedTuple):
@@ -275,6 +314,8 @@ def _parts_of(geom: np.void, number: int, kind: int | None, faces: Sequence[int]
         return [_Part(_mapped(inner, kind, one, size, bool(geom["texuniform"])), number, one, nowhere)]
     if what in (ARROW, ARROW1, ARROW2, LINE):
         return _connector(what, size, number)
+    if what == LINEBOX:
+        return _edges_of(size, number)
     if what == PLANE and (size[0] <= 0 or size[1] <= 0):
         return [_Part(("round" if max(size[:2]) <= 0 else "grid",), number, one, nowhere)]
     parts = []
@@ -319,19 +360,35 @@ def _mapped(inner: Key, kind: int | None, scale: Sequence[float], size: Sequence
 
 
 def _connector(what: int, size: tuple[float, ...], number: int) -> list[_Part]:
-    """Arrows and lines: from 0 along Z, the third size is the length."""
+    """Arrows and lines, from 0 along Z: the third size is the length of lines, and twice that of arrows."""
     wide, high, length = size
     if what == LINE:
-        return [_Part(("cylinder",), number, (wide, high, length / 2), (0.0, 0.0, length / 2))]
-    head = min(4.0 * wide, length / 2)
-    both = what == ARROW2
-    tail, end = (head if both else 0.0), length - head
+        return [_Part(("cylinder",), number, (0.0, 0.0, length / 2), (0.0, 0.0, length / 2))]
+    # a third of an arrow is its head, which is as wide as the shaft without wedges
+    head, end = length / 6, length / 3
+    wedge = 1.0 if what == ARROW1 else 1.75
+    tail = -end if what == ARROW2 else 0.0
     parts = [
         _Part(("cylinder",), number, (wide, high, (end - tail) / 2), (0.0, 0.0, (end + tail) / 2)),
+        _Part(("cone",), number, (wedge * wide, wedge * high, head), (0.0, 0.0, end)),
     ]
-    if what != ARROW1:
-        parts.append(_Part(("cone",), number, (1.75 * wide, 1.75 * high, head), (0.0, 0.0, end)))
+    if what == ARROW2:
+        parts.append(_Part(("cone_down",), number, (wedge * wide, wedge * high, head), (0.0, 0.0, tail)))
     return parts
+
+
+def _edges_of(size: tuple[float, ...], number: int) -> list[_Part]:
+    """The twelve edges of a box, which are lines."""
+    return [
+        _Part(
+            ("box",),
+            number,
+            (size[0] if along == 0 else 0.0, size[1] if along == 1 else 0.0, size[2] if along == 2 else 0.0),
+            (signs[0] * size[0], signs[1] * size[1], signs[2] * size[2]),
+        )
+        for along in range(3)
+        for signs in product(*(((0.0,) if axis == along else (-1.0, 1.0)) for axis in range(3)))
+    ]
 
 
 def instances_of(
@@ -344,7 +401,7 @@ def instances_of(
         look: makes the materials.
         faces: numbers of triangles of the flexes.
     """
-    texids = _textures(g, len(kinds))
+    texids = _textures(g, len(kinds), look.of_materials)
     parts = [
         part
         for number in range(len(g))
@@ -385,7 +442,7 @@ def instances_of(
         infinite,
         np.flatnonzero(np.isin(geoms, infinite)),
         np.flatnonzero(np.isin(g["type"][geoms], (SKIN, FLEX))),
-        np.flatnonzero(g["type"][geoms] == LINE),
+        np.flatnonzero(np.isin(g["type"][geoms], LINES)),
         ids.reshape(-1, 2),
         g["rgba"][:, 3].copy(),
     )
@@ -396,10 +453,11 @@ class Look:
 
     Args:
         plain: whether colours are used without gamma correction, with the lights of OpenGL.
+        of_materials: the texture of each material of the model, -1 for none.
     """
 
-    def __init__(self, *, plain: bool) -> None:
-        self._plain = plain
+    def __init__(self, *, plain: bool, of_materials: NDArray[np.int32]) -> None:
+        self._plain, self.of_materials = plain, of_materials
 
     def __call__(
         self,
@@ -420,7 +478,7 @@ class Look:
         own = g[of_row]
         color = np.nan_to_num(np.clip(own["rgba"][:, :3], 0.0, 1.0), nan=0.0)
         emission = np.clip(np.nan_to_num(own["emission"]), 0.0, 1e3)[:, None] * color
-        texids = _textures(own, len(prepared.textures))
+        texids = _textures(own, len(prepared.textures), self.of_materials)
         textured = texids >= 0
         rows["texture"] = np.where(textured, prepared.textures[texids] + number, -1) if len(prepared.textures) else -1
         if self._plain:
@@ -429,6 +487,10 @@ class Look:
         else:
             rows["color"][:, :3], rows["emission"] = linear_light(color), linear_light(emission)
             rows["roughness"] = np.clip(1.0 - 0.8 * own["shininess"], 0.2, 1.0)
+        # lines are not lit
+        lines = np.isin(own["type"], LINES)
+        rows["emission"][lines] = rows["color"][lines, :3]
+        rows["color"][lines], rows["metallic"][lines] = 0.0, 0.0
         rows["color"][:, 3] = 1.0
         infinite = (own["type"] == PLANE) & ((own["size"][:, 0] <= 0) | (own["size"][:, 1] <= 0))
         rows["flags"] = HAZED * infinite + DOUBLE_SIDED * np.isin(own["type"], (PLANE, TRIANGLE))

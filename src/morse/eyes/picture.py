@@ -15,6 +15,8 @@ from morse.eyes.geoms import (
     FLEX,
     HFIELD,
     LINE,
+    LINEBOX,
+    LINES,
     MESH,
     PLANE,
     SKIN,
@@ -23,6 +25,8 @@ from morse.eyes.geoms import (
     Look,
     instances_of,
     looks_of,
+    textures_of_materials,
+    widths_of,
 )
 from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_scenes
 from morse.eyes.store import SKY, store_of
@@ -78,10 +82,15 @@ class View(NamedTuple):
     width: int
     height: int
 
+    @property
+    def place(self) -> NDArray[np.float64]:
+        """(3,) the position of the camera, which is that of the pinhole of perspective cameras, m."""
+        return np.asarray(self.eye + self.shift * self.axes[2], np.float64)
+
     def row(self, *, color: bool) -> NDArray[np.void]:
         """(1,) `CAMERA`."""
         numbers = self.fx, self.fy, self.cx, self.cy, self.near, self.far, self.axes.ravel(), self.eye, 1.0, 0.0
-        return np.array([(*numbers, self.width, self.height, 0, color, 0, 0)], CAMERA)
+        return np.array([(*numbers, self.width, self.height, 0, color, 0, 0, self.shift)], CAMERA)
 
     def cut(self, box: tuple[int, int, int, int]) -> View:
         """The part of the picture from a column and a row to before others."""
@@ -161,7 +170,8 @@ class Artist:
         self._skies = np.flatnonzero(self._kinds == SKY)
         finest = max(int(model.vis.quality.shadowsize), 1)
         self._maps = ShadowMaps(min(max(texels, _FEWEST_TEXELS), _MOST_TEXELS, finest), finest)
-        self._look = Look(plain=self._plain)
+        self._linewidth = float(getattr(model.vis.global_, "linewidth", 1.0))
+        self._look = Look(plain=self._plain, of_materials=textures_of_materials(model))
         self._of: bytes | None = None
         self._instances: Instances | None = None
         self._drawer: NativeDrawer | None = None
@@ -195,8 +205,14 @@ class Artist:
         instances, draw = self._arranged(g, scene)
         key = self._key(scene, g, view)
         if self._surface is None or self._surface[0] != key:
-            poses = instances.poses(g, view.eye, view.axes[2], _BEYOND * (view.far - view.shift), view.fy)
-            draw.arrange(instances.parts, maps=instances.maps)
+            away = _turned_away(g, view)
+            poses = instances.poses(
+                g, view.eye, view.axes[2], _BEYOND * (view.far - view.shift), view.fy, self._linewidth
+            )
+            parts = instances.parts
+            if away.any():
+                parts = parts[~away[instances.geoms][instances.owner]]
+            draw.arrange(parts, maps=instances.maps)
             pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1)
             self._surface = key, pictures.depth, pictures.ids
         return *self._surface[1:], instances
@@ -209,13 +225,14 @@ class Artist:
     def _colors(self, scene: Any, g: NDArray[np.void], view: View) -> NDArray[np.uint8]:
         instances, draw = self._arranged(g, scene)
         reach = self._reach(scene.flags, view)
-        poses = instances.poses(g, view.eye, view.axes[2], reach, view.fy)
+        poses = instances.poses(g, view.eye, view.axes[2], reach, view.fy, self._linewidth)
         opacity = np.array(instances.opacity)
-        behind = _from_behind(g, view.eye)
+        behind = _from_behind(g, view.place)
         opacity[behind] *= _FROM_BEHIND
+        opacity[_turned_away(g, view)] = 0.0
         clear = opacity < _OPAQUE
         solid = self._opaque(instances, clear)
-        lights, around = lights_of(scene), self._around(g, scene.flags, reach)
+        lights, around = lights_of(scene), self._around(g, scene.flags, reach, view.shift)
         maps = self._shadows(scene, g, instances, draw, lights, poses, view)
         make = classic if self._plain else of_scenes
         light = make(lights, maps, around)
@@ -228,7 +245,9 @@ class Artist:
         # in depths and ids, planes reach to the far plane
         if not clear.any() and not (len(instances.infinite) and reach < view.far - view.shift):
             self._surface = self._key(scene, g, view), first.depth, first.ids
-        layers = _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view) if clear.any() else []
+        layers = (
+            _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view, self._linewidth) if clear.any() else []
+        )
         picture = Composition(first, view.width, view.height, exact=bool(layers))
         mirrors = (g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind
         if scene.flags[_REFLECTION] and mirrors.any():
@@ -239,7 +258,7 @@ class Artist:
                 if box is not None:
                     # a mirror shows neither itself nor planes from behind
                     mirrored = view.mirrored(_plane_of(g[number]))
-                    unseen = _from_behind(g, mirrored.eye)
+                    unseen = _from_behind(g, mirrored.place)
                     unseen[number] = True
                     others = solid[~unseen[instances.geoms[solid[:, 1]]]]
                     if not len(others):
@@ -248,7 +267,7 @@ class Artist:
                     picture.reflect(image, box, chosen, float(g["reflectance"][number]))
         for numbers, box in layers:
             chosen = np.isin(instances.geoms, numbers)
-            image = drawn(np.concatenate([solid, instances.parts[chosen[instances.owner]]]), view.cut(box))
+            image = drawn(np.concatenate([instances.parts[chosen[instances.owner]], solid]), view.cut(box))
             # MuJoCo draws translucent surfaces twice
             picture.cover(image, box, chosen, 1 - (1 - float(opacity[numbers[0]])) ** 2)
         return picture.codes()
@@ -318,7 +337,7 @@ class Artist:
         maps: list[Any] = [None] * len(lights)
         casting = g["castshadow"] != 0 if "castshadow" in (g.dtype.names or ()) else np.ones(len(g), bool)
         # lines are as wide as texels there
-        casting &= g["type"] != LINE
+        casting &= ~np.isin(g["type"], LINES)
         if not scene.flags[_SHADOW] or not casting.any():
             return maps
         model = self._model
@@ -349,7 +368,7 @@ class Artist:
         sky = self._plain and len(self._skies) and flags[_SKYBOX]
         return (_BEFORE_SKY if sky else _BEYOND) * (view.far - view.shift)
 
-    def _around(self, g: NDArray[np.void], flags: Any, reach: float) -> Surroundings:
+    def _around(self, g: NDArray[np.void], flags: Any, reach: float, shift: float) -> Surroundings:
         model = self._model
         rgba, settings, extent = model.vis.rgba, model.vis.map, float(model.stat.extent)
         assert self._instances is not None
@@ -361,13 +380,21 @@ class Artist:
             plane = _plane_of(g[self._instances.infinite[0]])
         fog = None
         if flags[_FOG]:
-            fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent, settings.fogend * extent)
+            fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent + shift, settings.fogend * extent + shift)
         return Surroundings(sky, np.array(rgba.haze[:3], float), float(settings.haze), reach, plane, fog)
 
 
 def _from_behind(g: NDArray[np.void], eye: NDArray[np.float64]) -> NDArray[np.bool_]:
     """(N,) which geoms are planes that are seen from behind."""
     return np.asarray((g["type"] == PLANE) & (((eye - g["pos"]) * g["mat"].reshape(-1, 3, 3)[:, :, 2]).sum(axis=1) < 0))
+
+
+def _turned_away(g: NDArray[np.void], view: View) -> NDArray[np.bool_]:
+    """(N,) which geoms are planes that the rays of an orthographic camera meet from behind: they are not drawn."""
+    if not view.shift:
+        return np.zeros(len(g), np.bool_)
+    facing = (g["mat"].reshape(-1, 3, 3)[:, :, 2] * view.axes[2]).sum(axis=1)
+    return np.asarray((g["type"] == PLANE) & (facing > -1e-6) & ~_from_behind(g, view.place))
 
 
 def _drawer_of(prepared: Prepared) -> NativeDrawer:
@@ -428,7 +455,7 @@ def _seen(g: NDArray[np.void], view: View) -> NDArray[np.float64]:
 def _is_below(plane: NDArray[np.float64], places: NDArray[np.float32], light: Lit, view: View) -> bool:
     """Whether a plane is below a light, the camera and some places: its shadow is not seen."""
     normal, offset = plane[:3], plane[3]
-    if not (normal * view.eye).sum() > offset or not ((places * normal).sum(axis=1) >= offset).all():
+    if not (normal * view.place).sum() > offset or not ((places * normal).sum(axis=1) >= offset).all():
         return False
     if light.directional:
         return bool((light.towards * normal).sum() > 0.0)
@@ -455,7 +482,7 @@ def _mirrored(box: Box, view: View) -> Box:
 
 
 #: geoms that are within a box of their sizes; with the caps of a capsule
-_SOLIDS = (SPHERE, ELLIPSOID, CAPSULE, CYLINDER, BOX)
+_SOLIDS = (SPHERE, ELLIPSOID, CAPSULE, CYLINDER, BOX, LINEBOX)
 _CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _EDGES = np.array([[n, n | bit] for bit in (1, 2, 4) for n in range(8) if not n & bit])
 _ONE_EDGE = np.array([[0, 1]])
@@ -466,16 +493,16 @@ _MOST_LINES = 32
 
 
 def _layers(
-    g: NDArray[np.void], numbers: NDArray[np.intp], opacity: NDArray[np.float32], view: View
+    g: NDArray[np.void], numbers: NDArray[np.intp], opacity: NDArray[np.float32], view: View, linewidth: float
 ) -> list[tuple[list[int], tuple[int, int, int, int]]]:
     """Geoms that are drawn together, the farthest first, and the pixels around them."""
     numbers = numbers[np.isfinite(g["pos"][numbers]).all(axis=1)]
     far = dict(zip(numbers.tolist(), ((g["pos"][numbers] - view.eye) * view.axes[2]).sum(axis=1), strict=True))
-    lines = g["type"] == LINE
+    lines = np.isin(g["type"], LINES)
     many = {True: int(lines[numbers].sum()) > _MOST_LINES, False: int((~lines[numbers]).sum()) > _MOST_LAYERS}
     layers: list[tuple[list[int], list[tuple[int, int, int, int]]]] = []
     for number in sorted(numbers.tolist(), key=lambda n: -far[n]):
-        box = _box_of(g[number], view)
+        box = _box_of(g[number], view, linewidth)
         if box is None:
             continue
         last = layers[-1] if layers else None
@@ -492,22 +519,21 @@ def _layers(
     ]
 
 
-def _box_of(geom: np.void, view: View) -> tuple[int, int, int, int] | None:
+def _box_of(geom: np.void, view: View, linewidth: float) -> tuple[int, int, int, int] | None:
     """The pixels that a geom may fill: first column and row, and those after the last ones; None for none."""
     if geom["type"] == PLANE:
         return 0, 0, view.width, view.height
     if geom["type"] in (SKIN, FLEX):
         return 0, 0, view.width, view.height
+    width = float(widths_of(geom, linewidth)) if geom["type"] in LINES else 0.0
     if geom["type"] == LINE:
         ends = np.array([geom["pos"], geom["pos"] + geom["mat"].reshape(3, 3)[:, 2] * geom["size"][2]], np.float64)
-        return _around(
-            _before(view.near, ((ends[:, None] - view.eye) * view.axes).sum(axis=2), _ONE_EDGE), view, geom["size"][0]
-        )
+        return _around(_before(view.near, ((ends[:, None] - view.eye) * view.axes).sum(axis=2), _ONE_EDGE), view, width)
     if geom["type"] in _SOLIDS:
         half = np.abs(geom["size"].astype(np.float64))
         half[2] += half[0] if geom["type"] == CAPSULE else 0.0
         corners = (geom["pos"] - view.eye) + (geom["mat"].reshape(1, 3, 3) * (_CORNERS * half)[:, None]).sum(axis=2)
-        return _around(_before(view.near, (corners[:, None] * view.axes).sum(axis=2), _EDGES), view)
+        return _around(_before(view.near, (corners[:, None] * view.axes).sum(axis=2), _EDGES), view, width)
     reach = float(_reach(np.array([geom]))[0]) * (2.0 if geom["type"] in (MESH, HFIELD) else 1.0)
     x, y, depth = ((geom["pos"] - view.eye) * view.axes).sum(axis=1)
     if not math.isfinite(depth + reach):

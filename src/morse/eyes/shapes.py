@@ -134,6 +134,14 @@ def _cone(slices: int, stacks: int) -> tuple[NDArray[np.float64], ...]:
     return points, normal, uv
 
 
+def _turned(
+    points: NDArray[np.float64], normal: NDArray[np.float64], uv: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], ...]:
+    """A patch that is turned by half a turn around X."""
+    half = np.array([1.0, -1.0, -1.0])
+    return points * half, normal * half, uv
+
+
 def _box(quads: int) -> list[tuple[NDArray[np.float64], ...]]:
     lines = np.linspace(-1.0, 1.0, quads + 1)
     x, y = np.meshgrid(lines, lines)
@@ -159,7 +167,8 @@ def primitive(name: str, slices: int, stacks: int, quads: int) -> Triangles:
 
     Args:
         name: grid and round (an infinite plane with a spacing of 1 in the middle; a square, and a disc), sphere,
-            cylinder, box, or a part of other shapes: tube, top and bottom (of a capsule), cone, disc, triangle.
+            cylinder, box, or a part of other shapes: tube, top and bottom (of a capsule), cone, cone_down, disc,
+            triangle.
         slices, stacks, quads: see ``visual/quality`` of MuJoCo.
     """
     slices, stacks, quads = max(slices, 3), max(stacks, 2), max(quads, 1)
@@ -184,6 +193,7 @@ def primitive(name: str, slices: int, stacks: int, quads: int) -> Triangles:
         "tube": lambda: [_tube(slices, stacks)],
         "cylinder": lambda: [_tube(slices, stacks), _disc(slices, above=True), _disc(slices, above=False)],
         "cone": lambda: [_cone(slices, stacks)],
+        "cone_down": lambda: [_turned(*_cone(slices, stacks))],
         "disc": lambda: [_disc(slices, above=False)],
         "box": lambda: _box(quads),
     }

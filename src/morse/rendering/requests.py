@@ -201,7 +201,7 @@ def cameras_of(orders: Sequence[Order], time: float) -> np.ndarray:
         cameras[number] = (
             *(lens.fx, lens.fy, lens.cx, lens.cy, lens.near, lens.far, axes, position, order.exposure),
             order.screen_space_error / _magnification(lens),
-            *(lens.width, lens.height, 0, order.color, order.normals, 0),
+            *(lens.width, lens.height, 0, order.color, order.normals, 0, 0.0),
         )
     return cameras
 

@@ -18,11 +18,13 @@ enum { MIRRORED = 2, SOLID = 4 };
 enum { CLOSED = 1, MIXED = 2 };
 
 // A pinhole camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile. `tolerance`
-// is the allowed error of surfaces, relative to their depth.
+// is the allowed error of surfaces, relative to their depth. An orthographic camera is `shift` before a pinhole that is
+// far away; 0 for pinholes.
 typedef struct {
     float fx, fy, cx, cy, near, far, axes[9], eye[3], exposure, tolerance;
     int32_t width, height, tile, color, normals;
     int64_t pixel;
+    float shift;
 } Camera;
 
 // In the classic look, FINE surfaces are lit at each pixel, as if their triangles were small, `metallic` is the

@@ -86,6 +86,7 @@ typedef struct {
 static inline F8 dot(V3 a, V3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static inline V3 scaled(V3 a, F8 s) { return (V3){a.x * s, a.y * s, a.z * s}; }
 static inline V3 sum(V3 a, V3 b) { return (V3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+static inline V3 difference(V3 a, V3 b) { return (V3){a.x - b.x, a.y - b.y, a.z - b.z}; }
 static inline V3 product(V3 a, V3 b) { return (V3){a.x * b.x, a.y * b.y, a.z * b.z}; }
 static inline V3 grey(float a) { return (V3){splat(a), splat(a), splat(a)}; }
 static inline V3 everywhere(const float *a) { return (V3){splat(a[0]), splat(a[1]), splat(a[2])}; }

@@ -114,6 +114,7 @@ CAMERA = np.dtype(
         ("color", "i4"),
         ("normals", "i4"),
         ("pixel", "i8"),
+        ("shift", "f4"),
     ],
     align=True,
 )
