@@ -420,6 +420,18 @@ def test_any_executor_does_the_runs(script, tmp_path):
     assert found.smallest.parameters["speed"] == pytest.approx(1.2, abs=0.05)
 
 
+def test_a_folder_that_cannot_be_made_is_told(script, tmp_path):
+    script(DRIVE)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(falsify_command.FalsifyError) as info:
+        falsify_command.command(str(tmp_path / "driving.py"), tmp_path / "file" / "results", runs=3, workers=0)
+    text = str(info.value)
+    assert text.startswith("the results cannot be written: ")
+    assert "give another folder by -o" in text
+    assert "\n" not in text
+    assert "is kept" not in text
+
+
 def test_the_command(script, tmp_path):
     script(DRIVE)
     done = python("-m", "morse", "falsify", "driving.py", "-o", "r", "--runs", "60", folder=tmp_path)

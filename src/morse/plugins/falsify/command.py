@@ -83,7 +83,10 @@ def command(
             progress=_progress,
         )
     except OSError as error:
-        raise FalsifyError(f"{describe(error)}: what was done is kept, and the same command continues") from None
+        what = f"{error.filename or output}: {error.strerror or error}"
+        if not output.is_dir():
+            raise FalsifyError(f"the results cannot be written: {what}; give another folder by -o") from None
+        raise FalsifyError(f"{what}: what was done is kept, and the same command continues") from None
     except (ImportError, RuntimeError, TypeError, ValueError) as error:
         raise FalsifyError(describe(error)) from None
     finally:
