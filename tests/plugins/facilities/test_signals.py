@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import morse
+from morse.core.exceptions import MorseError
 from morse.plugins.facilities.ros import KINDS, MESSAGES
 from morse.recording.recording import Recording
 from morse.rosmsgs.cdr import decode
@@ -333,3 +334,20 @@ def test_a_part_that_is_mounted_elsewhere_says_so(load: Load, caplog: pytest.Log
     simulation.step(3)
     assert f".append({part}())" in caplog.text
     assert not simulation.failures
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        *((f"one = TrafficLight()\none.properties(Phases={text!r})", "Phases") for text in (
+            "nonsense", "[]", '[["green", 0]]', '[["blue", 1]]', '[["green"]]', "5", "[" * 100_000,
+            '[["green", NaN]]')),
+        *((f"one = Lift()\none.properties(Levels={text!r})", "Levels") for text in (
+            "x", "[0]", "[0, 1, 2]", "[0, NaN]")),
+        *((f"one = Lift()\none.properties(Size={text!r})", "Size") for text in ("x", "[1]", "[1, 1, 1e400]")),
+        *((f"one = Dispenser()\none.properties(Size={text!r})", "Size") for text in ("x", "{}", '["a", "b", "c"]')),
+    ],
+)  # fmt: skip
+def test_properties_that_the_classes_write_are_checked(load: Load, line, name):
+    with pytest.raises(MorseError, match=f"^(?s:.)*the property '{name}' is (?!.*File)"):
+        load(line + EMPTY)

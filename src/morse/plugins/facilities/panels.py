@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from morse.assets.solids import cube, cylinder, polyhedron
+from morse.core.exceptions import MorseError
+from morse.core.reports.quoting import short
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.core.values import Fields
@@ -20,7 +23,7 @@ from morse.scene import BodySettings, CollisionShape, Material, Mesh, Node, Node
 from morse.scene.extent import extent
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -262,6 +265,30 @@ class Facility:
     def get_local_data(self) -> Fields:
         """The present data."""
         return dict(self.local_data)
+
+
+def stored(owner: object, name: str, text: object, fits: Callable[[Any], object]) -> Any:
+    """Return what the class of a scene script has written into a property, as JSON.
+
+    Args:
+        fits: whether a value is what the class writes; it may raise an error for what is not.
+
+    Raises:
+        MorseError: a script has set the property to something else.
+    """
+    try:
+        value = json.loads(str(text))
+        if fits(value):
+            return value
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError, OverflowError):
+        pass
+    kind = type(owner).__name__
+    raise MorseError(f"the property '{name}' is {short(text)}: leave it as {kind}() writes it, and use its arguments")
+
+
+def are_lengths(values: Any) -> bool:
+    """Whether values are several finite numbers that are not negative."""
+    return isinstance(values, list) and all(isinstance(one, (int, float)) and 0.0 <= one < 1e6 for one in values)
 
 
 def _people(robot: Carrier) -> Floats | None:

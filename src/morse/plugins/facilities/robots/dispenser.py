@@ -15,7 +15,7 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import Facility, Panels
+from morse.plugins.facilities.panels import Facility, Panels, are_lengths, stored
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,7 +58,7 @@ class Dispenser(Robot, Facility):
         self._places = [one.world_pose() for one in self._boxes]
         self._numbers = {one.name: number for number, one in enumerate(self._boxes)}
         # read once, as the boxes were made: clients may change properties while the simulation runs
-        self._sides: list[float] = json.loads(self._size)
+        self._sides: list[float] = stored(self, "Size", self._size, lambda one: are_lengths(one) and len(one) == 3)
         self._outlet = (0.0, 0.0, float(self._height) + 0.5 * self._sides[2])
         self._out: list[int] = []
         self._next, self._waiting = 0.0, 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,7 +13,7 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import Facility, Panels, lift_places
+from morse.plugins.facilities.panels import Facility, Panels, are_lengths, lift_places, stored
 
 if TYPE_CHECKING:
     from morse.core.values import StateData
@@ -55,9 +54,11 @@ class Lift(Robot, Facility):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        self.levels: list[float] = json.loads(self._levels)
-        self._cabin: list[float] = json.loads(self._size)
         self._panels = Panels(self.context, obj)
+        self.levels: list[float] = stored(
+            self, "Levels", self._levels, lambda one: are_lengths(one) and 2 * len(one) + 6 == self._panels.count
+        )
+        self._cabin: list[float] = stored(self, "Size", self._size, lambda one: are_lengths(one) and len(one) == 3)
         self._calls: list[int] = []
         self._until = -math.inf
         self._show()

@@ -10,12 +10,14 @@ from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 from morse.core.services import service
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import LENSES, Facility
+from morse.plugins.facilities.panels import LENSES, Facility, stored
 
 if TYPE_CHECKING:
     from morse.core.values import StateData
     from morse.core.world import Body
 
+#: what it shows
+STATES = ("red", "red-yellow", "yellow", "green", "off")
 _DAY = json.dumps([("green", 20.0), ("yellow", 3.0), ("red", 25.0), ("red-yellow", 2.0)])
 
 
@@ -41,7 +43,12 @@ class TrafficLight(Robot, Facility):
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         # read once: clients may change properties while the simulation runs
-        self._schedule: list[tuple[str, float]] = json.loads(self._phases)
+        self._schedule: list[tuple[str, float]] = stored(
+            self,
+            "Phases",
+            self._phases,
+            lambda phases: phases and all(state in STATES and 0.1 <= seconds <= 1e6 for state, seconds in phases),
+        )
         bright = [part for part in obj.children if not part.node.visible]
         self._lenses = dict(zip(LENSES, bright, strict=True))
         self._told = ""
