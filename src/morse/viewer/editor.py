@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.builder import workspace
-from morse.builder.assembly.spawning import append_text, call_text, component_of, mount_of
+from morse.builder.assembly.spawning import append_text, component_of, mount_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.source import Source
 from morse.builder.editing.writing import lines_of_script, variable_name
@@ -28,16 +28,28 @@ from morse.core.reports.quoting import short
 from morse.scene.extent import visible_extent
 from morse.viewer.catalog import Catalog
 from morse.viewer.feeds.components import settings_of
-from morse.viewer.placing import Place, carrier_of, free_place, local_pose, place_at, usual_place, world_pose
+from morse.viewer.placing import (
+    Place,
+    carrier_of,
+    free_place,
+    local_pose,
+    place_at,
+    rounded,
+    triple,
+    usual_place,
+    world_pose,
+)
 from morse.viewer.script_file import ScriptFile
 from morse.viewer.uploads import Uploads, saved_place
 from morse.viewer.view_messages import Answer, PropertyValue, Refused, SceneChanges
 from morse.viewer.world_settings import (
     OWNER,
-    SEVERAL,
+    Call,
+    Calls,
     LiveSettings,
     check_world_call,
     is_immediate,
+    lines_of,
     settings_of_world,
     world_line,
 )
@@ -68,25 +80,8 @@ _OVERHEAD = 2.5
 _FULL = f"the scene has {_MOST_CHANGES} changes: save and reload it before you change more"
 
 
-class Call(NamedTuple):
-    """A call of a method of the builder that pages have made for a component; see `page.Configure`."""
-
-    method: str
-    values: dict[str, object]
-
-    def key(self) -> tuple[str, str]:
-        """Calls with the same key replace each other."""
-        first = self.values.get("field", "") if self.method == "noise" else self.values.get("", "")
-        if self.method == "properties":
-            first = next(iter(self.values))
-        return self.method, str(first) if self.method in (*_SEVERAL, *SEVERAL) else ""
-
-
-#: methods that are called for several properties, fields, modifiers and middlewares
-_SEVERAL = ("properties", "noise", "alter", "add_stream")
 #: what pages may call beside `properties`
 _METHODS = ("frequency", "level", "noise", "delay", "phase", "alter", "add_stream")
-Calls = dict[tuple[str, str], Call]
 
 
 #: where an object is, if it was added or moved
@@ -212,8 +207,8 @@ class Editor:
             lowest = -_OVERHEAD if box is None else float(box[0][2])
             if event.beside and box is not None:
                 x, y, z = free_place(self._simulation, (x, y, z), box, self._additions)
-            at = _rounded((x, y, z - lowest), 2)
-            angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
+            at = rounded((x, y, z - lowest), 2)
+            angles_now = rounded((angles[0], angles[1], angles[2] + event.yaw))
             addition = Addition(name, event.model, at, angles_now, "", position, angles, is_named)
         return self._add_together([addition])
 
@@ -250,7 +245,7 @@ class Editor:
             place = Place(carrier.name, "", event.position, angles)
         else:
             place = place_at(simulation, carrier, event.robot, event.position, event.normal, box, angles)
-        return place._replace(position=_rounded(place.position, 3), angles=_rounded(place.angles))
+        return place._replace(position=rounded(place.position, 3), angles=rounded(place.angles))
 
     def _is_known(self, name: str) -> bool:
         """Whether the script, or a page, has created something as a whole: it is not part of a model."""
@@ -283,7 +278,7 @@ class Editor:
             corners = None if node is None else visible_extent(node)
             width = 1.0 if corners is None else float(corners[1][1] - corners[0][1]) + 0.3
             x, y, z = original.position
-            twins[0] = replace(twins[0], position=_rounded((x, y + width, z)))
+            twins[0] = replace(twins[0], position=rounded((x, y + width, z)))
         return self._add_together(twins)
 
     def _names(self) -> set[str]:
@@ -302,7 +297,7 @@ class Editor:
         with scene.project, describing(scene.resource_paths), workspace.described():
             part = component_of(kind)
             corners = visible_extent(part.scene_node)
-            position, angles = _triple(part.location), _triple(part.rotation_euler)
+            position, angles = triple(part.location), triple(part.rotation_euler)
             is_named = part.name_strength is Strength.GIVEN
         box = None if corners is None else (corners[0] - position, corners[1] - position)
         return position, angles, box, is_named
@@ -342,7 +337,7 @@ class Editor:
 
     def _appear(self, name: str, kind: str, pose: tuple[Triple, Triple], calls: Calls) -> None:
         """Spawn a robot, an object or a component; a component without a kind is one of the script."""
-        lines = "\n".join([kind, *_lines(calls)]) if kind and calls else kind or "\n".join(["", *_lines(calls), ""])
+        lines = "\n".join([kind, *lines_of(calls)]) if kind and calls else kind or "\n".join(["", *lines_of(calls), ""])
         self._services.run("simulation", "spawn", name, lines, *map(list, pose))
 
     def _delete(self, name: str, *, undoable: bool = True) -> str:
@@ -355,7 +350,7 @@ class Editor:
         addition = self._additions.get(root.name)
         if addition is None and self._file.path is not None:
             self._file.changed(Changes(deletions={root.name: below}))  # can it be saved?
-        pose = _triple(root.location), _triple(root.rotation_euler)
+        pose = triple(root.location), triple(root.rotation_euler)
         own = [one for table in self._tables() for one in table if _is_of(one, root.name)]
         before = [{one: table[one] for one in own if one in table} for table in self._tables()]
         self._services.run("simulation", "delete", root.name)
@@ -512,7 +507,7 @@ class Editor:
             new[call.key()] = call
         addition = self._additions.get(name)
         if addition is None and self._file.path is not None and new:
-            self._file.changed(Changes(calls={name: _lines(new)}))  # can it be saved?
+            self._file.changed(Changes(calls={name: lines_of(new)}))  # can it be saved?
         self._compose(name, new)
         what = f"{event.method} of {name} was {'taken back' if event.remove else 'set'}"
         self._undo_by(what, lambda: self._compose(name, old), lambda: self._compose(name, new))
@@ -530,7 +525,7 @@ class Editor:
             raise MorseError(f"'{name}' carries {', '.join(carried)}: write its settings into the script")
         placed = addition or self._moves.get(name)
         at = (node.location, node.rotation_euler) if placed is None else (placed.position, placed.angles)
-        kind, pose = "" if addition is None else self._kind_of(addition), (_triple(at[0]), _triple(at[1]))
+        kind, pose = "" if addition is None else self._kind_of(addition), (triple(at[0]), triple(at[1]))
         parts = [one for one in self._additions.values() if _is_of(one.robot, name)]
         self._services.run("simulation", "delete", name)
         try:
@@ -575,17 +570,17 @@ class Editor:
         old = addition or move
         near = node.rotation_euler if old is None else old.angles
         position, angles = local_pose(self._simulation, node, event.position, event.quaternion, near)
-        position, angles = _rounded(position), _rounded(angles)
+        position, angles = rounded(position), rounded(angles)
         if event.first:
             self._group = event.group
-            self._undo_of_move(name, (addition, move), (_triple(node.location), _triple(node.rotation_euler)))
+            self._undo_of_move(name, (addition, move), (triple(node.location), triple(node.rotation_euler)))
         if addition is not None:
             self._additions[name] = replace(addition, position=position, angles=angles)
         else:
             # a component at the tip of an arm is there because the script places it nowhere
             is_at_tip = node.parent_inverse is not None and self._is_at_tip(name, node)
-            before = (0.0, 0.0, 0.0) if is_at_tip else _triple(node.location)
-            self._moves[name] = Move(name, position, angles, before, _triple(node.rotation_euler))
+            before = (0.0, 0.0, 0.0) if is_at_tip else triple(node.location)
+            self._moves[name] = Move(name, position, angles, before, triple(node.rotation_euler))
 
     def _is_at_tip(self, name: str, node: Node) -> bool:
         owner = name.rpartition(".")[0]
@@ -676,10 +671,10 @@ class Editor:
                 f"{self._file.path} was changed in the page and does not run yet: correct its mistakes, reload it (F11)"
             )
         additions = [
-            replace(one, calls=tuple(_lines(self._calls.get(name, {})))) for name, one in self._additions.items()
+            replace(one, calls=tuple(lines_of(self._calls.get(name, {})))) for name, one in self._additions.items()
         ]
         parts = {name: own for name, own in self._calls.items() if name not in self._additions and name != OWNER}
-        calls = {name: _lines(own) for name, own in parts.items()}
+        calls = {name: lines_of(own) for name, own in parts.items()}
         settings = [world_line(*call) for call in self._calls.get(OWNER, {}).values()]
         return self._file.changed(Changes(additions, [*self._moves.values()], self._deletions, calls, settings))
 
@@ -788,23 +783,3 @@ def _mistake(text: str, name: str) -> tuple[int, str]:
 
 def _is_of(name: str, whole: str) -> bool:
     return name == whole or name.startswith(f"{whole}.")
-
-
-def _lines(calls: Calls) -> list[str]:
-    """Calls as lines of a script, the properties in one of them."""
-    values: dict[str, object] = {}
-    for call in calls.values():
-        if call.method == "properties":
-            values |= call.values
-    lines = [call_text("properties", values)] if values else []
-    return lines + [call_text(*call) for call in calls.values() if call.method != "properties"]
-
-
-def _triple(values: Sequence[float]) -> Triple:
-    x, y, z = values
-    return x, y, z
-
-
-def _rounded(values: Sequence[float], decimals: int = 4) -> Triple:
-    x, y, z = (round(value, decimals) for value in values)
-    return x, y, z

@@ -81,7 +81,7 @@ def usual_place(simulation: Simulation, carrier: ComponentDeclaration, group: st
     """An actuator is in the origin of its robot, a sensor stands on it; both are at the tip of an arm."""
     mount = mount_of(carrier)
     if carrier.kind != "robot":
-        return Place(carrier.name, "", _triple(mount.usual))
+        return Place(carrier.name, "", triple(mount.usual))
     corners = extent((one for one in carrier.node.walk() if one.visible), carrier.node)
     if group == "actuators" or corners is None:
         return Place(carrier.name)
@@ -139,7 +139,7 @@ def local_pose(
     """
     rotation = rotation_from_quaternion(*quaternion)
     if node.parent is None:
-        return _triple(position), _triple(compatible_euler(rotation, "XYZ", list(near)))
+        return triple(position), triple(compatible_euler(rotation, "XYZ", list(near)))
     frame = _frame(simulation, Mount(node.parent, node.parent_inverse))
     return _pose_in(frame, np.asarray(position, float), np.array(rotation, float).reshape(3, 3), near)
 
@@ -183,11 +183,18 @@ def _pose_in(
     local = np.linalg.inv(frame) @ pose
     a, b, c, d, e, f, g, h, i = (float(value) for value in local[:3, :3].flat)
     angles = compatible_euler((a, b, c, d, e, f, g, h, i), "XYZ", list(near))
-    return _triple(local[:3, 3]), _triple(angles)
+    return triple(local[:3, 3]), triple(angles)
 
 
-def _triple(values: Sequence[float] | NDArray[np.float64]) -> Triple:
+def triple(values: Sequence[float] | NDArray[np.float64]) -> Triple:
+    """Return three numbers as a tuple."""
     x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+def rounded(values: Sequence[float], decimals: int = 4) -> Triple:
+    """Return three rounded numbers."""
+    x, y, z = (round(value, decimals) for value in values)
     return x, y, z
 
 

@@ -1,4 +1,4 @@
-"""The settings of the environment that pages change: gravity, time, light, mist and the viewpoint, as calls of methods.
+"""Calls of builder methods that pages make, and the settings of the environment: gravity, time, light, viewpoint.
 
 Most take effect at once; frequency, time strategy and middlewares count from the next start of the scene on. All are
 written into the script.
@@ -37,6 +37,35 @@ OWNER = "simulation"
 
 SEVERAL = ("add_default_interface",)
 """Methods that are called for several names."""
+_SEVERAL = ("properties", "noise", "alter", "add_stream", *SEVERAL)
+
+
+class Call(NamedTuple):
+    """A call of a method of the builder that pages have made for a component; see `page.Configure`."""
+
+    method: str
+    values: dict[str, object]
+
+    def key(self) -> tuple[str, str]:
+        """Calls with the same key replace each other."""
+        first = self.values.get("field", "") if self.method == "noise" else self.values.get("", "")
+        if self.method == "properties":
+            first = next(iter(self.values))
+        return self.method, str(first) if self.method in _SEVERAL else ""
+
+
+Calls = dict[tuple[str, str], Call]
+
+
+def lines_of(calls: Calls) -> list[str]:
+    """Calls as lines of a script, the properties in one of them."""
+    values: dict[str, object] = {}
+    for call in calls.values():
+        if call.method == "properties":
+            values |= call.values
+    lines = [call_text("properties", values)] if values else []
+    return lines + [call_text(*call) for call in calls.values() if call.method != "properties"]
+
 
 _WORDS = {"list": "a list of numbers", "str": "a text", "bool": "true or false", "float": "a number"}
 #: characters of a value, numbers of a list
