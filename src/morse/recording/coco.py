@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.recording.errors import RecordingError
 from morse.recording.fields import COMPONENT, FIELDS
 from morse.recording.fields.blocks import block_of
@@ -176,7 +177,7 @@ def _mounted(
     while frame in places and frame not in seen:
         seen.add(frame)
         frame, offset, turn = places[frame]
-        position, rotation = offset + turn @ position, turn @ rotation
+        position, rotation = offset + matmul(turn, position), matmul(turn, rotation)
     return frame, [*position.tolist(), *rotation.ravel().tolist()]
 
 
