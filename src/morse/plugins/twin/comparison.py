@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -26,6 +26,8 @@ _NORMAL = 1.4826
 _LEAST = 1e-4
 #: rate at which clocks are compared, Hz, and largest offset that is searched, s
 _RATE, _FARTHEST = 50.0, 5.0
+#: longest delay of a sensor or a command that is no offset of a clock if it is fitted, s
+_LONGEST = 1.0
 #: coefficient of correlation, and its gain, from which an offset is believed
 _SURE, _BETTER = 0.5, 0.02
 
@@ -125,12 +127,13 @@ class Comparison:
     ) -> Floats:
         """What the simulated sensor measures at the times of the log, (N,)."""
         times = self.times(channel.sensor)
-        gain, bias = 1.0, 0.0
+        gain, bias, delay = 1.0, 0.0, 0.0
         for correction, value in corrections:
             if correction.what == "delay":
-                times = times - value
+                delay = value
             elif (correction.field, correction.item) == (channel.field, channel.item):
                 gain, bias = (value, bias) if correction.what == "gain" else (gain, value)
+        times = times - delay
         trace = traces.get(channel.sensor)
         if trace is None or len(trace.times) < 2:
             return np.full(len(times), math.nan)
@@ -140,7 +143,7 @@ class Comparison:
         period = trace.times[1] - trace.times[0]
         # before its first measurement, a sensor at rest measures the same
         result = np.interp(times, trace.times, values, left=math.nan, right=math.nan)
-        early = (times < trace.times[0]) & (times > trace.times[0] - 2.0 * period)
+        early = (times < trace.times[0]) & (times > trace.times[0] - 2.0 * period - max(delay, 0.0))
         result[early] = values[0]
         return gain * result + bias
 
@@ -191,32 +194,58 @@ def persistence(errors: Floats) -> float:
 # -- clocks ----------------------------------------------------------------------------------
 
 
-def align(comparison: Comparison, traces: Mapping[str, Samples], least: float = 0.25) -> None:
+def align(
+    comparison: Comparison,
+    traces: Mapping[str, Samples],
+    least: float = 0.25,
+    fitted: Collection[str] = (),
+) -> None:
     """Estimate the delay and drift of the clock of each sensor by correlation with the simulation.
 
     Args:
         least: delays from which times are corrected, s; less may be the dynamics of the robot, which a fit finds.
+        fitted: sensors whose delay a fit finds, up to `_LONGEST`.
     """
     for sensor, clock in comparison.clocks.items():
         whole = _best_shift(comparison, traces, sensor, 0.0, 1.0)
         if whole is None:
             continue
         clock.delay, clock.correlation = whole
-        parts = [_best_shift(comparison, traces, sensor, begin, begin + 1.0 / 3.0) for begin in (0.0, 2.0 / 3.0)]
+        parts = [_best_shift(comparison, traces, sensor, third / 3.0, (third + 1) / 3.0) for third in range(3)]
         times = comparison.measured[sensor].times
         span = float(times[-1] - times[0]) * 2.0 / 3.0
-        if parts[0] is not None and parts[1] is not None and span > 0.0 and min(parts[0][1], parts[1][1]) > _SURE:
-            change = parts[1][0] - parts[0][0]
-            # less than a sample is not seen
-            clock.drift = change / span if abs(change) > 2.0 / _RATE else 0.0
-        if abs(clock.delay) >= least or clock.drift:
+        known = [part[0] for part in parts if part is not None and part[1] > _SURE]
+        if len(known) == 3 and span > 0.0:
+            change = known[2] - known[0]
+            sample = max(1.0 / _RATE, float(times[-1] - times[0]) / (len(times) - 1))
+            # less than a sample is not seen; what does not grow evenly is no drift but the motion
+            is_even = abs(known[1] - 0.5 * (known[0] + known[2])) < 0.25 * abs(change)
+            clock.drift = change / span if abs(change) > 2.0 * sample and is_even else 0.0
+        is_fitted = sensor in fitted and 0.0 <= clock.delay < _LONGEST
+        if clock.drift or (abs(clock.delay) >= least and not is_fitted):
             middle = 0.5 * float(times[-1] + times[0])
-            clock.delay -= clock.drift * middle
+            # a fitted delay is not that of the clock
+            clock.delay = (0.0 if is_fitted else clock.delay) - clock.drift * middle
             clock.is_applied = True
 
 
+def shifts(comparison: Comparison, traces: Mapping[str, Samples]) -> dict[str, float]:
+    """How much later than in the simulation each sensor measures, s; without those whose clock was corrected."""
+    found = {}
+    for sensor, clock in comparison.clocks.items():
+        best = None if clock.is_applied else _best_shift(comparison, traces, sensor, 0.0, 1.0, better=0.0)
+        if best is not None:
+            found[sensor] = best[0]
+    return found
+
+
 def _best_shift(
-    comparison: Comparison, traces: Mapping[str, Samples], sensor: str, begin: float, end: float
+    comparison: Comparison,
+    traces: Mapping[str, Samples],
+    sensor: str,
+    begin: float,
+    end: float,
+    better: float = _BETTER,
 ) -> tuple[float, float] | None:
     """The shift with the highest correlation, s, and this correlation; None if nothing moves, or none is clear."""
     trace = traces.get(sensor)
@@ -239,6 +268,8 @@ def _best_shift(
         made = _item(trace.fields[channel.field], channel.item)
         if channel.is_angle:
             seen, made = np.unwrap(seen), np.unwrap(made)
+        if float(np.std(made)) < noise_of(seen):
+            continue
         one, other = (_moving(np.interp(grid, at, values), rate) for at, values in ((times, seen), (trace.times, made)))
         if one is None or other is None:
             continue
@@ -250,7 +281,7 @@ def _best_shift(
         return None
     total /= weights
     best = int(np.argmax(total))
-    if total[best] < _SURE or total[best] < total[most] + _BETTER:
+    if total[best] < _SURE or total[best] < total[most] + better:
         return (0.0, float(total[most])) if total[most] > 0.0 else None
     shift = best - most + _peak(total, best)
     return shift / rate, float(min(total[best], 1.0))

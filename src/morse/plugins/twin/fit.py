@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.core.exceptions import MorseError
-from morse.plugins.twin.comparison import Comparison, noise_of, persistence
+from morse.plugins.twin.comparison import Comparison, noise_of, persistence, shifts
 from morse.plugins.twin.replay import ReplayError
 
 if TYPE_CHECKING:
@@ -31,10 +31,30 @@ _SHORTEST = 2.0
 _STEPS = 12
 #: first step of differences, relative to the scale of a parameter, and its range later on
 _DIFFERENCE, _FINEST, _COARSEST = 1e-3, 3e-4, 1e-2
+#: shares of what a robot is late that are taken for the lag of its commands; the rest is their delay
+_LAGS = (0.2, 0.6, 0.95)
+#: how many of the best beginnings are tried in each part while errors are not explained
+_TRIES = (len(_LAGS) + 1, 2, 1)
+#: values that differ by less than this share of their scales are the same beginning
+_ALIKE = 0.02
+#: difference of the times of commands, ticks: what begins in ticks changes by jumps
+_TICKS = 0.25
+#: first and last steps of the search for the times of commands, ticks, and how often it tries
+_LONGEST_STEPS, _SHORTEST_STEP, _SEARCHES = (2.0, 1.0, 0.5), 0.1, 12
+#: how often a part is fitted after such a search has found something better
+_ROUNDS = 3
+#: largest number of steps of what needs no simulation
+_INNER = 4
+#: share of the squares of errors that is worth another one
+_GAINED = 1e-3
 #: the largest step, for scaled parameters
 _FARTHEST = 0.5
+#: a fit ends if a step makes the sum of squares of errors smaller by less than this: a share of the spreads
+_LITTLE = 0.3
 #: a fit ends if steps are smaller than this share of the spreads
 _SMALL = 0.05
+#: of the first step, from where errors are not the noise
+_DAMPING = 0.1
 #: factor of errors beyond which they count less (Huber)
 _OUTLIER = 4.0
 #: spread, relative to the scale of a parameter, from which it is not known
@@ -45,6 +65,8 @@ _VAGUE, _WITHOUT_EFFECT = 0.3, 1e3
 _SURE = 0.03
 #: errors, relative to the noise, that are not noise
 _UNEXPLAINED = 3.0
+#: those that end the search for a beginning
+_EXPLAINED = 1.3
 #: share in a direction from which a parameter is named
 _NAMED = 0.2
 
@@ -67,6 +89,21 @@ class Point(NamedTuple):
     traces: Traces
     errors: list[Floats]
     cost: float
+
+
+class _Equations(NamedTuple):
+    """The normal equations of a step.
+
+    Attributes:
+        matrix, side: (P, P), (P,) of the scaled parameters.
+        information: without repeated errors.
+        best: what the log tells where its errors are small.
+    """
+
+    matrix: Floats
+    side: Floats
+    information: Floats
+    best: Floats
 
 
 @dataclass
@@ -129,9 +166,11 @@ class Fit:
         names = {one.name for one in parameters}
         self._fixed = [one for one in fixed if one.name not in names]
         self._moving = [number for number, one in enumerate(parameters) if one.correction is None]
+        self._measuring = [number for number, one in enumerate(parameters) if one.correction is not None]
         self._scales = np.array([one.scale for one in parameters])
         self._lows = np.array([one.low for one in parameters])
         self._highs = np.array([one.high for one in parameters])
+        self._finest, self._coarsest = _FINEST * self._scales, _COARSEST * self._scales
         self._differences = _DIFFERENCE * self._scales
         #: what errors are left at best
         self._noises = list(deviations or [noise_of(comparison.values(channel)) for channel in comparison.channels])
@@ -176,27 +215,29 @@ class Fit:
         """What measurements like these tell about the scaled parameters, at the values that they have."""
         here = self._point(np.array([one.value for one in self._parameters]), traces, self._duration)
         self._differences = 0.1 * _COARSEST * self._scales
-        return self._equations(here, self._jacobian(here, self._duration))[2]
+        return self._equations(here, self._jacobian(here, self._duration)).information
 
     # -- differences ---------------------------------------------------------------------------
 
-    def _jacobian(self, here: Point, horizon: float) -> list[Floats]:
-        """The derivatives of the errors of each channel, (N, P) each, per scale of the parameters."""
+    def _jacobian(self, here: Point, horizon: float, *, is_moving: bool = True) -> list[Floats]:
+        """The derivatives of the errors of each channel, (N, P) each, per scale of the parameters.
+
+        Those of parameters that need a simulation are 0 if not ``is_moving``.
+        """
         steps = np.where(here.values + self._differences <= self._highs, self._differences, -self._differences)
         points = []
-        for number in self._moving:
+        for number in self._moving if is_moving else ():
             values = here.values.copy()
             values[number] += steps[number]
             points.append(values)
         moved: dict[int, Point] = dict(zip(self._moving, self.at(points, horizon), strict=True)) if points else {}
-        for number in range(len(self._parameters)):
-            if number not in moved:
-                values = here.values.copy()
-                values[number] += steps[number]
-                moved[number] = self._point(values, here.traces, horizon)
+        for number in self._measuring:
+            values = here.values.copy()
+            values[number] += steps[number]
+            moved[number] = self._point(values, here.traces, horizon)
         columns = []
         for channel in range(len(self._comparison.channels)):
-            column = np.empty((len(here.errors[channel]), len(self._parameters)))
+            column = np.zeros((len(here.errors[channel]), len(self._parameters)))
             for number, point in moved.items():
                 change = point.errors[channel] - here.errors[channel]
                 if self._comparison.channels[channel].is_angle:
@@ -205,20 +246,23 @@ class Fit:
             columns.append(column)
         return columns
 
-    def _equations(self, here: Point, jacobian: list[Floats]) -> tuple[Floats, Floats, Floats]:
-        """The normal equations of the step, and the information without repeated errors."""
+    def _equations(self, here: Point, jacobian: list[Floats]) -> _Equations:
         count = len(self._parameters)
-        matrix, side, information = np.zeros((count, count)), np.zeros(count), np.zeros((count, count))
-        for error, column, size in zip(here.errors, jacobian, self._deviations, strict=True):
+        matrix, side = np.zeros((count, count)), np.zeros(count)
+        information, best = np.zeros((count, count)), np.zeros((count, count))
+        for error, column, size, noise in zip(here.errors, jacobian, self._deviations, self._noises, strict=True):
             is_finite = np.isfinite(error) & np.isfinite(column).all(axis=1)
             if not is_finite.any():
                 continue
             scaled, rows = error[is_finite] / size, column[is_finite] / size
             weights = _weights(scaled)
-            matrix += rows.T @ (weights[:, None] * rows)
+            part = rows.T @ (weights[:, None] * rows)
+            matrix += part
             side -= rows.T @ (weights * scaled)
-            information += (rows.T @ (weights[:, None] * rows)) / persistence(scaled)
-        return matrix, side, information
+            information += part / persistence(scaled)
+            # at the solution, errors are the noise: in between, as far as it is trusted from here
+            best += part * size / max(min(noise, size), 0.01 * size)
+        return _Equations(matrix, side, information, best)
 
     # -- all steps -----------------------------------------------------------------------------
 
@@ -234,32 +278,143 @@ class Fit:
         if not any(np.isfinite(error).any() for error in before.errors):
             raise FitError("the log and the simulation have no time in common: no sample can be compared")
         here, information = before, np.zeros((len(values), len(values)))
-        first = guess
         horizons = [share * self._duration for share in _HORIZONS if share * self._duration >= _SHORTEST]
-        for horizon in horizons or [self._duration]:
+        horizons = horizons or [self._duration]
+        self._set_tick(before)
+        beginnings = self._beginnings(before, guess)
+        for part, (horizon, tries) in enumerate(zip(horizons, _TRIES, strict=False)):
             if not self._parameters:
                 break
-            # what a part hardly tells is left to the whole
-            here, information = self._descend(first, horizon, _VAGUE if horizon == self._duration else _SURE)
-            first = here.values
+            ends: list[tuple[float, Point, Floats]] = []
+            for values in beginnings[:tries]:
+                # what a part hardly tells is left to the whole
+                vague = _VAGUE if horizon == self._duration else _SURE
+                here, information = self._descend(values, horizon, vague)
+                for _ in range(_ROUNDS):
+                    found = self._searched(here, horizon, vague, _LONGEST_STEPS[part])
+                    if found is here:
+                        break
+                    here, information = self._descend(found.values, horizon, vague)
+                ends.append((self._badness(here), here, information))
+                if not self._unexplained(here, _UNEXPLAINED if part else _EXPLAINED):
+                    break
+            ends.sort(key=lambda end: end[0])
+            _, here, information = ends[0]
+            beginnings = self._different([end.values for _, end, _ in ends])
         self._weigh(here)
         return self._judged(before, here, information)
 
+    def _set_tick(self, before: Point) -> None:
+        periods = [one.times[1] - one.times[0] for one in before.traces.values() if len(one.times) > 1]
+        self._tick = float(min(periods, default=0.0))
+        #: delays and lags of commands
+        self._times = [at for what in ("delay", "lag") for at, one in self._named(what) if one.correction is None]
+        self._finest[self._times] = np.maximum(self._finest[self._times], _TICKS * self._tick)
+        self._coarsest = np.maximum(self._coarsest, self._finest)
+        self._differences = np.maximum(self._differences, self._finest)
+
+    def _searched(self, here: Point, horizon: float, vague: float, longest: float) -> Point:
+        """A better point with other times of commands, by a search without derivatives; the same for none.
+
+        What a robot does when a command comes, such as a turn of a joint of constant speed, may begin in a tick: then
+        errors change by jumps, and derivatives do not lead to the solution.
+        """
+        if not self._times or not self._unexplained(here):
+            return here
+        units = np.eye(len(here.values))
+        ways = [units[at] for at in self._times]
+        ways += [units[one] - units[other] for at, one in enumerate(self._times) for other in self._times[at + 1 :]]
+        best, step = here, longest * self._tick
+        for _ in range(_SEARCHES):
+            if step < _SHORTEST_STEP * self._tick:
+                break
+            goals = [best.values + sign * step * way for way in ways for sign in (1.0, -1.0)]
+            goals = [np.clip(goal, self._lows, self._highs) for goal in goals]
+            try:
+                points = [self._measured(there, horizon, vague) for there in self.at(goals, horizon)]
+            except ReplayError:
+                break
+            there = min(points, key=lambda point: point.cost)
+            if self._is_better(there, best):
+                best = there
+            else:
+                step *= 0.5
+        return best if best.cost < (1.0 - _GAINED) * here.cost else here
+
+    def _beginnings(self, before: Point, guess: Floats) -> list[Floats]:
+        """Where a fit begins: a delay has minima beside the solution, in particular together with a lag.
+
+        What a sensor is late is known from the correlation with its simulation. Of sensors whose delay is not fitted,
+        it is that of the commands.
+        """
+        late = shifts(self._comparison, before.traces)
+        own = {one.component: number for number, one in self._named("delay") if one.correction is not None}
+        delays = [number for number, one in self._named("delay") if one.correction is None]
+        lags = [number for number, one in self._named("lag") if one.correction is None]
+        common = [late[sensor] for sensor in late if sensor not in own] or list(late.values())
+        if not common:
+            return [guess]
+        commanded = float(np.median(common)) if delays or lags else 0.0
+        if not all(sensor in own for sensor in late):
+            commanded = max(commanded, 0.0)
+        elif delays or lags:
+            commanded = max(min(common), 0.0)
+        found = [guess]
+        for share in _LAGS if delays and lags else (1.0 if lags else 0.0,):
+            values = before.values.copy()
+            values[lags] = np.maximum(values[lags] + share * commanded, guess[lags])
+            values[delays] += (1.0 - share) * commanded
+            for sensor, number in own.items():
+                values[number] += late.get(sensor, 0.0) - commanded
+            found.append(np.clip(values, self._lows, self._highs))
+        # the estimates first
+        return self._different([*found[1:], guess])
+
+    def _named(self, what: str) -> list[tuple[int, Parameter]]:
+        return [(at, one) for at, one in enumerate(self._parameters) if one.name == f"{one.component}.{what}"]
+
+    def _different(self, points: Sequence[Floats]) -> list[Floats]:
+        found: list[Floats] = []
+        for values in points:
+            if not any((np.abs(values - other) < _ALIKE * self._scales).all() for other in found):
+                found.append(values)
+        return found
+
+    def _badness(self, here: Point) -> float:
+        """The negative logarithm of the likelihood, with the deviations of errors that are most likely."""
+        total = 0.0
+        for error, noise in zip(here.errors, self._noises, strict=True):
+            finite = error[np.isfinite(error)]
+            if len(finite):
+                total += len(finite) * math.log(max(float(np.sqrt(np.mean(finite**2))), 0.5 * noise))
+        return total / max(_count(here), 1)
+
+    def _unexplained(self, here: Point, least: float = _UNEXPLAINED) -> list[tuple[str, float]]:
+        """The channels with errors that are no noise, and how many times the noise they are."""
+        found = []
+        for channel, error in zip(self._comparison.channels, here.errors, strict=True):
+            finite = error[np.isfinite(error)]
+            ratio = float(np.sqrt(np.mean(finite**2))) / noise_of(finite) if len(finite) else 0.0
+            if ratio > least:
+                found.append((channel.name, ratio))
+        return found
+
     def _descend(self, values: Floats, horizon: float, vague: float = _VAGUE) -> tuple[Point, Floats]:
         (here,) = self.at([values], horizon)
-        here = self._weigh(here)
-        damping = 0.0
+        here = self._measured(self._weigh(here), horizon, vague)
+        damping = _DAMPING if self._unexplained(here) else 0.0
         information = np.zeros((len(values), len(values)))
         for step in range(_STEPS):
-            matrix, side, information = self._equations(here, self._jacobian(here, horizon))
+            equations = self._equations(here, self._jacobian(here, horizon))
+            information = equations.information
             # without those that errors share: far from the solution, all errors do
-            spreads = spreads_of(matrix) * self._scales
+            spreads = spreads_of(equations.matrix) * self._scales
             better = None
             for _ in range(6):
-                goal = self._goal(here.values, matrix, side, damping, vague)
+                goal = self._goal(here.values, equations, damping, vague)
                 if not self._is_worth_it(goal - here.values, spreads):
                     break
-                better = self._tried(goal, here, horizon)
+                better = self._tried(goal, here, horizon, vague)
                 if better is not None:
                     damping = 0.1 * damping if damping > 1e-4 else 0.0
                     break
@@ -267,19 +422,27 @@ class Fit:
             self._tell(f"{horizon:.3g} s, step {step + 1}: error {math.sqrt(here.cost / max(_count(here), 1)):.4g}")
             if better is None:
                 break
+            is_small = damping == 0.0 and here.cost - better.cost < _LITTLE
             here = self._weigh(better)
-            known = np.where(np.isfinite(spreads), spreads, self._scales)
-            self._differences = np.clip(0.3 * known, _FINEST * self._scales, _COARSEST * self._scales)
+            if is_small:
+                break
+            # the spreads if all others were known: larger differences of parameters of the same effect seem to tell
+            # them apart, by their curvature
+            alone = self._scales / np.sqrt(np.maximum(np.diag(equations.matrix), _WITHOUT_EFFECT**-2))
+            self._differences = np.clip(alone, self._finest, self._coarsest)
         return here, information
 
-    def _goal(self, values: Floats, matrix: Floats, side: Floats, damping: float, vague: float) -> Floats:
+    def _goal(self, values: Floats, equations: _Equations, damping: float, vague: float) -> Floats:
         """The next values: those that would leave their range stay, and the others are solved without them."""
         free = np.ones(len(values), bool)
         goal = values
         for _ in range(len(values)):
             change = np.zeros(len(values))
             inner = np.flatnonzero(free)
-            change[inner] = _solved(matrix[np.ix_(inner, inner)], side[inner], damping, vague)
+            block = np.ix_(inner, inner)
+            change[inner] = _solved(
+                equations.matrix[block], equations.side[inner], equations.best[block], damping, vague
+            )
             goal = values + change * self._scales
             outside = free & ((goal < self._lows) | (goal > self._highs))
             if not outside.any() or outside.sum() == free.sum():
@@ -297,13 +460,30 @@ class Fit:
         finite = np.where(np.isfinite(spreads), spreads, self._scales)
         return bool((np.abs(change) > np.maximum(_SMALL * finite, 1e-9 * self._scales)).any())
 
-    def _tried(self, goal: Floats, here: Point, horizon: float) -> Point | None:
+    def _tried(self, goal: Floats, here: Point, horizon: float, vague: float) -> Point | None:
         try:
             (there,) = self.at([goal], horizon)
         except ReplayError:
             return None
-        fits = _count(there) >= 0.98 * _count(here)
-        return there if fits and there.cost < here.cost else None
+        there = self._measured(there, horizon, vague)
+        return there if self._is_better(there, here) else None
+
+    def _is_better(self, there: Point, here: Point) -> bool:
+        return _count(there) >= 0.98 * _count(here) and there.cost < here.cost
+
+    def _measured(self, here: Point, horizon: float, vague: float) -> Point:
+        """The point with the gains, biases and delays of sensors that suit its simulation best."""
+        for _ in range(_INNER if self._measuring else 0):
+            equations = self._equations(here, self._jacobian(here, horizon, is_moving=False))
+            goal = self._goal(here.values, equations, 0.0, vague)
+            there = self._point(goal, here.traces, horizon)
+            if not self._is_better(there, here):
+                break
+            is_small = there.cost > (1.0 - _GAINED) * here.cost
+            here = there
+            if is_small:
+                break
+        return here
 
     # -- what is known -------------------------------------------------------------------------
 
@@ -326,14 +506,11 @@ class Fit:
                 result.remarks.append(
                     f"{one.name} has reached the end of its range, {here.values[number]:g} {one.unit}".rstrip()
                 )
-        for channel, error in zip(self._comparison.channels, here.errors, strict=True):
-            finite = error[np.isfinite(error)]
-            ratio = float(np.sqrt(np.mean(finite**2))) / noise_of(finite) if len(finite) else 0.0
-            if self._parameters and ratio > _UNEXPLAINED:
-                result.remarks.append(
-                    f"the errors of {channel.name} are {ratio:.0f} times its noise: something is not in the model, or "
-                    "the fit has ended beside the solution, and then the spreads are too small"
-                )
+        for name, ratio in self._unexplained(here) if self._parameters else ():
+            result.remarks.append(
+                f"the errors of {name} are {ratio:.0f} times its noise: something is not in the model, or "
+                "the fit has ended beside the solution, and then the spreads are too small"
+            )
         return result
 
 
@@ -346,9 +523,9 @@ def _count(point: Point) -> int:
     return int(sum(np.isfinite(error).sum() for error in point.errors))
 
 
-def _solved(matrix: Floats, side: Floats, damping: float, vague: float) -> Floats:
+def _solved(matrix: Floats, side: Floats, best: Floats, damping: float, vague: float) -> Floats:
     """The step of Levenberg and Marquardt; along what the log does not tell, there is none."""
-    values, vectors = np.linalg.eigh(matrix)
+    values, vectors = np.linalg.eigh(best)
     kept = vectors[:, values > vague**-2]
     inner = kept.T @ matrix @ kept
     step = kept @ np.linalg.solve(inner + damping * np.diag(np.diag(inner)), kept.T @ side)

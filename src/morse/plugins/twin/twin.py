@@ -197,7 +197,7 @@ class Twin:
         tell = progress or (lambda line: None)
         with Simulations(self._all, self.commands, sensors, workers) as simulations:
             (traces,) = simulations.each([{}], self.duration)
-            align(self._comparison, traces)
+            align(self._comparison, traces, fitted=self._delayed())
             result = Fit(
                 self.parameters, self._comparison, simulations, self.duration, tell, fixed=self._corrections()
             ).run()
@@ -207,13 +207,21 @@ class Twin:
             proposal = propose(result, self._all, self._comparison, self.commands, sensors, self._probe, workers)
         return Fitted(self, result, self._comparison, proposal, self._remarks())
 
+    def _delayed(self) -> set[str]:
+        """The sensors whose delay, or that of their robot, is fitted."""
+        sensors = {channel.sensor for channel in self._comparison.channels}
+        late = [one for one in self.parameters if one.name in (f"{one.component}.delay", f"{one.component}.lag")]
+        if any(one.correction is None for one in late):
+            return sensors
+        return sensors & {one.component for one in late}
+
     def _remarks(self) -> list[str]:
         remarks = [*self.log.remarks]
         for sensor, clock in self._comparison.clocks.items():
             if clock.is_applied:
                 drift = f", and drifts by {1e6 * clock.drift:.0f} µs/s" if clock.drift else ""
                 remarks.append(f"the clock of {sensor} is {clock.delay:+.3f} s off{drift}: its times were corrected")
-            elif abs(clock.delay) > 0.05:
+            elif abs(clock.delay) > 0.05 and sensor not in self._delayed():
                 remarks.append(
                     f"{sensor} is {clock.delay:+.3f} s later than in the simulation: fit its delay, or a lag"
                 )
