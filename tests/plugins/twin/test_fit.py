@@ -74,7 +74,7 @@ def test_a_delay_of_a_sensor_is_none_of_its_clock_if_it_is_fitted(tmp_path):
     assert not any(clock.is_applied for clock in fit.comparison.clocks.values())
     for name in planted:
         assert is_found(fit, planted, name), str(fit)
-        assert fit.spreads[name] < 0.1 * planted[name]
+        assert fit.spreads[name] < 0.15 * planted[name]
 
 
 def test_a_delay_of_commands_is_found_where_errors_change_by_jumps(tmp_path):
@@ -96,7 +96,8 @@ def test_a_delay_of_commands_is_found_where_errors_change_by_jumps(tmp_path):
     )
     assert fit.errors["robot.arm.state.shoulder"] == pytest.approx(0.002, rel=0.2)
     for name in ("robot.arm.delay", "robot.arm.lag"):
-        assert fit.values[name] == pytest.approx(planted[name], abs=0.004), str(fit)
+        assert is_found(fit, planted, name), str(fit)
+        assert fit.spreads[name] < 0.15 * planted[name]
 
 
 # -- clocks ----------------------------------------------------------------------------------

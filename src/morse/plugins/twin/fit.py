@@ -65,7 +65,7 @@ _VAGUE, _WITHOUT_EFFECT = 0.3, 1e3
 _SURE = 0.03
 #: errors, relative to the noise, that are not noise
 _UNEXPLAINED = 3.0
-#: those that end the search for a beginning
+#: errors, relative to the noise, with which a fit need not look elsewhere
 _EXPLAINED = 1.3
 #: share in a direction from which a parameter is named
 _NAMED = 0.2
@@ -296,7 +296,7 @@ class Fit:
                         break
                     here, information = self._descend(found.values, horizon, vague)
                 ends.append((self._badness(here), here, information))
-                if not self._unexplained(here, _UNEXPLAINED if part else _EXPLAINED):
+                if not self._unexplained(here):
                     break
             ends.sort(key=lambda end: end[0])
             _, here, information = ends[0]
@@ -389,7 +389,7 @@ class Fit:
                 total += len(finite) * math.log(max(float(np.sqrt(np.mean(finite**2))), 0.5 * noise))
         return total / max(_count(here), 1)
 
-    def _unexplained(self, here: Point, least: float = _UNEXPLAINED) -> list[tuple[str, float]]:
+    def _unexplained(self, here: Point, least: float = _EXPLAINED) -> list[tuple[str, float]]:
         """The channels with errors that are no noise, and how many times the noise they are."""
         found = []
         for channel, error in zip(self._comparison.channels, here.errors, strict=True):
@@ -506,7 +506,7 @@ class Fit:
                 result.remarks.append(
                     f"{one.name} has reached the end of its range, {here.values[number]:g} {one.unit}".rstrip()
                 )
-        for name, ratio in self._unexplained(here) if self._parameters else ():
+        for name, ratio in self._unexplained(here, _UNEXPLAINED) if self._parameters else ():
             result.remarks.append(
                 f"the errors of {name} are {ratio:.0f} times its noise: something is not in the model, or "
                 "the fit has ended beside the solution, and then the spreads are too small"
