@@ -181,3 +181,28 @@ people.goals([(17, 0)])
         assert through.any() != locked
         assert (sim.door.data["openness"] == 0.0) == locked
         assert sim.failures == ()
+
+
+def test_wheelchairs_stay_out_of_walls(load):
+    """Through a door of 1 m and along walls, nobody is nearer to a wall than 0.9 of the own radius allows."""
+    walls = "".join(
+        f'w{i} = Cube("wall{i}")\nw{i}.scale = ({sx}, {sy}, 1.5)\nw{i}.translate({x}, {y}, 1.5)\nw{i}.static()\n'
+        for i, (x, y, sx, sy) in enumerate(
+            ((10, 22, 6, 0.1), (10, 18, 6, 0.1), (10, 21.3, 0.1, 0.8), (10, 18.7, 0.1, 0.8))
+        )
+    )
+    crowd = (
+        'c = Crowd("people", 12, wheelchairs=0.5)\nc.start([(5, 18.6), (9, 21.4)])\nc.goals([(15, 20)], then="leave")\n'
+    )
+    with load(walls + crowd) as sim:
+        walkers, worst, passed = sim.people.component.walkers, 0.0, False
+        for _ in range(120):
+            sim.step(15)
+            here = walkers.present
+            if not here.any():
+                break
+            gap, _ = walkers.ground.clearance(walkers.position[here])
+            worst = max(worst, float(np.max(0.9 * walkers.radius[here] - gap)))
+            passed |= bool((walkers.position[here, 0] > 11.0).any())
+        assert passed
+        assert worst < 0.08

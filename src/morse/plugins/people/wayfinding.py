@@ -32,6 +32,8 @@ FAR = 3.0
 STEP, HEIGHT = 0.25, 1.9
 #: m: they keep this distance from walls where they can, and are slower in the time to a goal where they cannot
 _ROOM = 0.45
+#: m: bodies give way by so much between two walls
+_SQUEEZED = 0.03
 #: share of the speed there
 _NARROW = 0.4
 
@@ -246,8 +248,12 @@ class Ground:
             radius: (N,) m.
         """
         gap, normal = self.clearance(after)
-        # bodies are pressed against walls, and squeeze through where the room is narrower than they are
-        lacking = np.minimum(radius, self.radius) - gap
+        lacking = radius - gap
+        is_broad = (radius > self.radius) & (lacking > 0.0)
+        if is_broad.any():
+            # bodies are pressed against walls, and squeeze through where the room is narrower than they are
+            there, _ = self.clearance(after + np.where(is_broad, lacking, 0.0)[:, None] * normal)
+            lacking = np.where(is_broad & (there < radius - _SQUEEZED), np.minimum(radius, self.radius) - gap, lacking)
         blocked = lacking > 0.0
         if blocked.any():
             after = after + np.where(blocked, lacking, 0.0)[:, None] * normal
