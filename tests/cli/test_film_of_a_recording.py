@@ -90,7 +90,7 @@ def test_a_camera_that_came_later_is_filmed_while_it_is_there(morse):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--film", "--csv"], "for tables, --mcap, --film, --html or --foxglove-layout"),
+        (["--film", "--csv"], "--as FORM, --mcap, --film, --html or --foxglove-layout"),
         (["--film", "-o", "run.doc"], "-o: a film is a file that ends in .gif"),
         (["--film", "--rate", "0"], "--rate is a number of frames per second up to 1000, not 0"),
         (["--film", "--begin", "-1"], "--begin is a number of simulated seconds"),

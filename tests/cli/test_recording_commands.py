@@ -125,8 +125,8 @@ def test_a_recording_is_simulated_again_and_exported(here, told):
         (["export", "scene.py", "--csv"], "this is not a recording", 1),
         (["replay", "scene.py"], "this is not a recording", 1),
         (["replay", "scene.py", "--record", "new.mcap"], "--record belongs to --resimulate", 2),
-        (["export", "scene.py"], "--csv or --parquet", 2),
-        (["export", "scene.py", "--csv", "--parquet"], "--csv or --parquet", 2),
+        (["export", "scene.py"], "--csv, --parquet or --as FORM", 2),
+        (["export", "scene.py", "--csv", "--parquet"], "--csv, --parquet or --as FORM", 2),
     ],
 )
 def test_files_that_are_no_recordings(here, told, words, said, status):

@@ -12,8 +12,9 @@ from recorded import drive, read_by_rosbags, scene
 
 import morse
 from morse.recording.errors import RecordingError
-from morse.recording.export import _cell, export
+from morse.recording.export import export
 from morse.recording.fields import DECLARED, FIELDS, FIELDS_TYPE
+from morse.recording.formats import Csv
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
@@ -143,7 +144,7 @@ def test_texts_and_names_of_fields_are_no_formulas_for_a_spreadsheet(tmp_path: P
 
 def test_texts_in_lists_are_no_formulas_for_a_spreadsheet() -> None:
     # which separates by semicolons, and knows no quotes within a cell
-    assert _cell(["a;=1+1", -1]) == '["a;\'=1+1", -1]'
+    assert Csv._cell(["a;=1+1", -1]) == '["a;\'=1+1", -1]'
 
 
 @pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00\xff\xff\xff\xffab", b"\x09" * 40])

@@ -16,7 +16,19 @@ from morse.simulation.states.state import State
 _FOLLOWS = frozenset(
     {"group", "request", "requests", "rays", "noted", "on_completion", "input_functions", "output_functions"}
     | {"_taken_from", "_lens_of", "_table", "_shown", "_drawn", "_clamped", "_usual", "_told", "_values_at_first"}
-    | {"_measured_from", "_hull", "_complaints", "_targets", "_looks", "_reach", "_arc", "_plane", "_command_limit"}
+    | {
+        "_measured_from",
+        "_hull",
+        "_complaints",
+        "_targets",
+        "_looks",
+        "_reach",
+        "_arc",
+        "_plane",
+        "_command_limit",
+        "_known_steps",
+        "_has_steps",
+    }
 )
 
 

@@ -97,7 +97,7 @@ def test_links_are_where_the_engine_puts_them(folder: Path) -> None:
     values = {"yaw": 0.3, "pitch": -0.4, "slide": 0.04, "knee": 0.9, "wag": 0.2}
     for name, value in values.items():
         handle.positions((name,))
-        world.data.qpos[handle._qpos[0]] = value
+        world.data.qpos[handle._qpos] = value
         data.joint(name).qpos = value
     mujoco.mj_kinematics(model, data)
     world.sync()

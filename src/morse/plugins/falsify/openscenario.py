@@ -44,7 +44,7 @@ _COMPOSITIONS = ("serial", "parallel", "one_of")
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)([a-z]*)")
 _NAME = re.compile(r"[A-Za-z_]\w*")
 #: a number with a unit within an expression
-_QUANTITY = re.compile(r"(?<![\w.])(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)([A-Za-z_]\w*)")
+_QUANTITY = re.compile(r"(?<![\w.])((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)([A-Za-z_]\w*)")
 
 #: a value in a run, given the parameters
 _Value: TypeAlias = Callable[[Mapping[str, float]], float]
