@@ -105,14 +105,20 @@ class Atmosphere(NamedTuple):
     @property
     def is_clear(self) -> bool:
         """Whether nothing is in the air, wherever it be."""
-        return self.outside.is_clear and all(conditions.is_clear for _, conditions in self.zones)
+        return all(conditions.is_clear for conditions in self.media)
 
     def at(self, place: Sequence[float]) -> Conditions:
         """Return the weather at a place (3,)."""
-        for zone, conditions in self.zones:
-            if zone.contains(place):
-                return conditions
-        return self.outside
+        return self.media[self.number_at(place)]
+
+    @property
+    def media(self) -> tuple[Conditions, ...]:
+        """The weather outside of all zones, and then that of each zone."""
+        return self.outside, *(conditions for _, conditions in self.zones)
+
+    def number_at(self, place: Sequence[float]) -> int:
+        """Return the number among the media of that at a place (3,)."""
+        return next((number for number, (zone, _) in enumerate(self.zones, start=1) if zone.contains(place)), 0)
 
     def along(
         self, start: Floats, ways: Sequence[Floats], lengths: Floats, per_metre: Callable[[Conditions], float]

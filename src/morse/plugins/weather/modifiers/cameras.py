@@ -121,16 +121,27 @@ class CameraInWeather(_InAir):
 def _veil(rgba: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
     """Mix the codes of pixels with those of the sky, by their optical depth."""
     levels, mixed = _tables()
-    scaled = np.minimum(depth * np.float32((_STEPS - 1) / _DEEPEST), np.float32(_STEPS - 1))
-    place = levels[scaled.astype(np.uint16)]
+    place = levels[_steps_of(depth)]
     for channel in range(3):
         rgba[..., channel] = mixed[channel].take(place | rgba[..., channel])
+
+
+def _steps_of(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Return the steps (H, W) of the tables for optical depths (H, W)."""
+    scaled = np.minimum(depth * np.float32((_STEPS - 1) / _DEEPEST), np.float32(_STEPS - 1))
+    return np.asarray(scaled.astype(np.uint16))
+
+
+@lru_cache(1)
+def _transmissions() -> NDArray[np.float64]:
+    """Return the share of the light that is left (`_STEPS`,), by step of the optical depth."""
+    return portable.exp(-np.arange(_STEPS) * (_DEEPEST / (_STEPS - 1)))
 
 
 @lru_cache(1)
 def _tables() -> tuple[NDArray[np.uint16], NDArray[np.uint8]]:
     """Return by step of the optical depth the first place of a row of codes; (3, places) the mixed codes."""
-    share = portable.exp(-np.arange(_STEPS) * (_DEEPEST / (_STEPS - 1)))
+    share = _transmissions().copy()
     share[-1] = 0.0
     rows = np.round(share * (_LEVELS - 1)).astype(np.uint16)
     shares = np.arange(_LEVELS)[:, None] / (_LEVELS - 1)
@@ -190,9 +201,7 @@ class ThermalInWeather(_InAir):
         image = self.data["image"]
         if depth is None or not np.shape(image):
             return
-        share = portable.exp(-np.arange(_STEPS) * (_DEEPEST / (_STEPS - 1)))
-        step = np.minimum(depth * np.float32((_STEPS - 1) / _DEEPEST), np.float32(_STEPS - 1)).astype(np.uint16)
-        seen = self.component_instance.ordered(share[step])
+        seen = self.component_instance.ordered(_transmissions()[_steps_of(depth)])
         square, air = (np.asarray(image, np.float64) + _ZERO) ** 2, (self.component_instance._ambient + _ZERO) ** 2
         power = air * air + seen * (square * square - air * air)
         self.data["image"] = (np.sqrt(np.sqrt(power)) - _ZERO).astype(np.float32)

@@ -59,8 +59,7 @@ class ScannerInWeather(AbstractModifier):
         reach = float(scanner.laser_range)
         if self._known != (air, reach):
             beam = Beam(reach)
-            media = (air.outside, *(conditions for _, conditions in air.zones))
-            self._known, self._passages = (air, reach), tuple(beam.through(medium) for medium in media)
+            self._known, self._passages = (air, reach), tuple(beam.through(medium) for medium in air.media)
         ranges = np.array(data["range_list"])
         beam = self._passages[0].beam
         place = np.array(scanner.bge_object.worldPosition)
@@ -113,8 +112,7 @@ class ScannerInWeather(AbstractModifier):
                 is_drop = drawn[here] < added
                 drops[here[is_drop]] = passage.place_of_drop(start[here[is_drop]], drawn[here[is_drop]])
                 drawn[here] -= added
-        own = next((n for n, (zone, _) in enumerate(air.zones, start=1) if zone.contains(place.tolist())), 0)
-        return drops, light, self._passages[own].fog_echo
+        return drops, light, self._passages[air.number_at(place.tolist())].fog_echo
 
     def _reported(
         self,
