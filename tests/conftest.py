@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
+import logging
 import os
 import re
 import shutil
@@ -185,6 +186,16 @@ def _empty_working_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[
     """Programs look for scenes and models in the working folder: that of a person may have any."""
     with contextlib.chdir(tmp_path_factory.mktemp("working-folder")):
         yield
+
+
+@pytest.fixture(autouse=True)
+def _log_as_before() -> Iterator[None]:
+    """A test that is ended within a block with another log does not silence the tests after it."""
+    log = logging.getLogger("morse")
+    before = log.level, log.propagate, log.handlers[:], logging.root.manager.disable
+    yield
+    log.propagate, log.handlers[:], logging.root.manager.disable = before[1:]
+    log.setLevel(before[0])
 
 
 def _folders_of_this_worker(config: pytest.Config) -> list[str]:

@@ -55,6 +55,7 @@ class Peer:
         self._controls = socket.create_connection(("127.0.0.1", controls), timeout=60)
         self._sensors.setblocking(False)
         self._buffer = b""
+        self.has_sent = False
 
     def receive(self) -> dict[str, Any] | None:
         """The newest complete line between two ends of lines, north-west-up turned to north-east-down; or None."""
@@ -77,10 +78,12 @@ class Peer:
 
     def drive(self, steer: float, force: float) -> None:
         """A rover."""
+        self.has_sent = True
         self._controls.sendall(b'{"steer": %.3f, "force": %.2f, "brake": %.2f}\n' % (steer, force, 0.0))
 
     def fly(self, right: float, left: float, front: float, back: float) -> None:
         """A quadrotor of the frame +."""
+        self.has_sent = True
         self._controls.sendall(b'{"engines": [%.3f, %.3f, %.3f, %.3f]}\n' % (back, right, front, left))
 
     def close(self) -> None:

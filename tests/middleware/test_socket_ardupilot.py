@@ -11,6 +11,7 @@ import pytest
 from ardupilot_peer import Peer
 
 import morse
+from tests.kit.waiting import wait_until
 
 pytestmark = pytest.mark.long
 
@@ -58,6 +59,9 @@ def backend(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callabl
 def states(sim: Any, peer: Peer, ticks: int) -> Iterator[dict[str, Any]]:
     """The state after each tick, as soon as the connections stand."""
     is_connected = False
+    (reader,) = next(
+        one.streams["vehicle.motion"] for one in sim.observers if "vehicle.motion" in getattr(one, "streams", ())
+    )
     for _ in range(ticks):
         sim.step()
         end = time.monotonic() + 60.0
@@ -68,6 +72,9 @@ def states(sim: Any, peer: Peer, ticks: int) -> Iterator[dict[str, Any]]:
         if state is not None:
             is_connected = True
             yield state
+            # the controls of this tick take part in the next one, as in the lock-step of the backend
+            wait_until(lambda: not peer.has_sent or reader.waiting)
+            peer.has_sent = False
 
 
 def test_a_rover_drives_round_a_square(backend: Callable[..., Any]) -> None:
