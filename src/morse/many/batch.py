@@ -20,10 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from types import TracebackType
 
-    from numpy.typing import NDArray
-
     from morse.core.guard import Failure
-    from morse.many.joint_step import Command
     from morse.scene import Scene
     from morse.simulation.simulation import Simulation
     from morse.viewer.notebook import Frame
@@ -140,67 +137,25 @@ class Batch(RowArrays):
         self._check_open()
         self._simulations[0].check_step(ticks, measure)
         batched_step, commands = self._batched_step, [(column, column.check()) for column in self._commands]
-        # without ticks nothing is measured: commands of rows that go on together wait in their array
         together = bool(ticks) and measure is True
-        if together:
-            batched_step.begin()
-        elif ticks or measure:
+        # without ticks nothing is measured, unless it is wanted
+        if (ticks or measure) and not together:
             self._rows(None)
         # Ctrl+C takes effect after all rows: they stay in the same tick
         with self._time:
-            if batched_step.is_empty:
-                for column, rows in commands:
-                    column.publish(rows)
-                self._step_rows(range(len(self)), ticks, measure)
+            ran = batched_step.run(ticks if together else 0, commands)
+            rest = batched_step.apart
+            if rest:
+                simulations = self._simulations
+                self._each(rest, lambda row: simulations[row].step(ticks - int(ran[row]), measure=measure))
+                self._update(rest)
                 if together:
-                    batched_step.join(range(len(self)))
-            else:
-                self._step_together(ticks, commands, together)
+                    batched_step.join(rest)
+            for reading in self._readings if together else ():
+                if isinstance(reading, ContactColumn):
+                    reading.begin(np.flatnonzero(ran == ticks))
         if self._window is not None:
             self._window.turn(self._up_to_date)
-
-    def _step_rows(self, rows: Sequence[int] | range, ticks: int, measure: bool | Sequence[str]) -> None:
-        """Let simulations step by themselves."""
-        simulations = self._simulations
-        self._each(rows, lambda row: simulations[row].step(ticks, measure=measure))
-        self._update(rows)
-
-    def _step_together(self, ticks: int, commands: Sequence[Command], measures: bool) -> None:
-        """Run a step in which some rows go on together.
-
-        Args:
-            commands: the columns of commands, and the rows that have one.
-            measures: whether there are ticks, at whose end all sensors measure; else nothing happens in these rows.
-        """
-        batched_step = self._batched_step
-        if batched_step.has_only_joints:
-            if measures:
-                self._after(batched_step.joint_step.run(ticks, commands), ticks)
-            return
-        gliding, jointed = batched_step.members, batched_step.joint_step.members
-        changes = np.zeros(len(self), bool)
-        if measures and gliding.any():
-            for column, _ in commands:
-                changes |= gliding & column.changes()
-        by_messages = ~jointed & (changes | ~gliding)
-        for column, rows in commands:
-            column.publish(rows[by_messages[rows]])
-        if not measures:
-            self._step_rows(np.flatnonzero(~(gliding | jointed)).tolist(), ticks, False)
-            return
-        self._after(batched_step.run(ticks, changes, commands), ticks)
-
-    def _after(self, ran: NDArray[np.int64], ticks: int) -> None:
-        """Let the rows that have run fewer ticks together with others run the rest."""
-        simulations = self._simulations
-        rest = np.flatnonzero(ran < ticks).tolist()
-        if rest:
-            self._each(rest, lambda row: simulations[row].step(ticks - int(ran[row]), measure=True))
-            self._update(rest)
-            self._batched_step.join(rest)
-        for reading in self._readings:
-            if isinstance(reading, ContactColumn):
-                reading.begin(np.flatnonzero(ran == ticks))
 
     def measure(self, rows: object = None, sensors: Sequence[str] | None = None) -> None:
         """Let sensors measure now, between two ticks, as after `place`; see `Simulation.measure`.

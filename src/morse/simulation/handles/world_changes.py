@@ -422,7 +422,7 @@ class WorldChanges:
 
     @property
     def coasts(self) -> bool:
-        """Whether nothing can happen in any of the next ticks but that robots drive; see `morse.many.batched_step`."""
+        """Whether nothing can happen in any of the next ticks but that robots drive; see `morse.many.gliding_rows`."""
         return not self.context.journal.sinks and self._ticker.coasts
 
     def moved_joints(self) -> Sequence[tuple[Actuator, Setpoints]] | None:

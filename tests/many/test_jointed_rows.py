@@ -289,7 +289,7 @@ def test_a_robot_that_falls_out_of_its_world_is_reported(tmp_path):
 
 
 PROGRAM = """
-from test_joint_step import *
+from test_jointed_rows import *
 
 with morse.batch(partial(meadow, 'effort'), 6) as many:
     legs, pose = many.command('robot.legs'), many.read('robot.pose', 'x', 'y', 'z')
@@ -308,7 +308,7 @@ def test_threads_make_no_difference():
 
 FORK = """
 import signal
-from test_joint_step import *
+from test_jointed_rows import *
 
 with morse.batch(partial(meadow, 'effort'), 4) as many:
     legs, pose = many.command('robot.legs'), many.read('robot.pose', 'x', 'y', 'z')

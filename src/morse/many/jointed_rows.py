@@ -15,46 +15,42 @@ from morse.kernel.joints import Motors
 from morse.physics.engine_rows import EngineRows
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from morse.core.actuator import Actuator
     from morse.core.rows.columns import Setpoints
     from morse.kernel.joints import JointRows
-    from morse.many.batched_step import Reading
+    from morse.many.batched_step import Command
     from morse.many.fields import CommandColumn
+    from morse.many.readings import Reading
     from morse.simulation.simulation import Simulation
 
-    #: a column, and the rows that have a command
-    Command = tuple[CommandColumn, NDArray[np.intp]]
 
-
-class JointStep:
-    """The rows in which only joints move.
+class JointedRows:
+    """See `morse.many.batched_step.RowsAlike`.
 
     Args:
         commands: the columns of commands, also those that are added later.
-        readings: the same for data.
-
-    Attributes:
-        members: (N,) which rows these are.
-        count: their number.
     """
 
-    def __init__(
-        self, simulations: Sequence[Simulation], commands: Sequence[CommandColumn], readings: Sequence[Reading]
-    ) -> None:
-        count = len(simulations)
-        self._simulations, self._commands, self._readings = simulations, commands, readings
-        self.members, self.count = np.zeros(count, bool), 0
+    has_engine = True
+
+    def __init__(self, simulations: Sequence[Simulation], commands: Sequence[CommandColumn]) -> None:
+        self._simulations, self._commands = simulations, commands
+        self.members = np.zeros(len(simulations), bool)
         self._drives: dict[str, _Drive] = {}
         self._engine: EngineRows | None = None
 
-    # -- who is a member -----------------------------------------------------------------------
+    @property
+    def states(self) -> EngineRows:
+        """The poses, and the states of the engine."""
+        assert self._engine is not None
+        return self._engine
 
-    def join(self, row: int) -> bool:
-        """Let a row be a member, if nothing else can happen in it."""
+    def add(self, row: int, readings: Sequence[Reading]) -> bool:
+        """Take the state of a simulation, if nothing can happen in its next ticks but that motors move joints."""
         simulation = self._simulations[row]
         moved = simulation.moved_joints()
         # the engine takes no worlds whose bodies sleep
@@ -73,83 +69,53 @@ class JointStep:
         clock, kernel = simulation.clock, engine.kernel
         kernel.ticks[row], kernel.rates[row], kernel.origins[row] = clock.tick, clock.frequency, clock.origin
         kernel.missed[row] = kernel.last[row] = 0
-        if not all(reading.add(row, simulation, engine) for reading in self._readings):
+        if not all(reading.add(row, simulation, engine) for reading in readings):
             return False
-        groups = [reading.groups(row) for reading in self._readings]
+        groups = [reading.groups(row) for reading in readings]
         engine.read(row, None if None in groups else {group for some in groups for group in some or ()})
-        self.members[row] = True
-        self.count += 1
         return True
 
-    def leave(self, row: int) -> None:
-        """Bring the simulation of a row up to date; it measures at the end of the last step, as the member has."""
-        if not self.members[row]:
-            return
-        self._remove(row)
-        assert self._engine is not None
-        if last := int(self._engine.kernel.last[row]):
-            self._return(row)
-            for column in self._commands:
-                column.repeat(row)
-            self._simulations[row].step(last, measure=True)
-
-    def drop(self, row: int) -> None:
-        """Forget what a row has done, because its simulation begins anew."""
-        if self.members[row]:
-            self._remove(row)
-
-    def _remove(self, row: int) -> None:
-        self.members[row] = False
-        self.count -= 1
-
-    def _return(self, row: int) -> None:
-        """Let a simulation be as it was before the last step."""
-        assert self._engine is not None
-        simulation, missed = self._simulations[row], int(self._engine.kernel.missed[row])
-        self._engine.give_back(row, missed)
+    def stop(self, row: int) -> None:
+        """Let a simulation be as it was before the last step, with the commands of this step."""
+        simulation, missed = self._simulations[row], int(self.states.kernel.missed[row])
+        self.states.give_back(row, missed)
         simulation.missed(missed)
         for drive in self._drives.values():
             drive.give_back(row)
+        for column in self._commands:
+            column.repeat(row)
+
+    def leave(self, row: int) -> None:
+        """Let a simulation take the last step itself; it measures at its end, as the member has."""
+        if last := int(self.states.kernel.last[row]):
+            self.stop(row)
+            self._simulations[row].step(last, measure=True)
 
     # -- a step ------------------------------------------------------------------------------
 
-    def run(self, ticks: int, commands: Iterable[Command]) -> NDArray[np.int64]:
-        """Run a step of the members, at whose end all sensors measure.
-
-        Returns:
-            (N,) the numbers of ticks. Members for which it is 0 have left: their simulations are as before the step,
-            and have the commands of the step.
-        """
-        engine = self._engine
-        if engine is None or not self.count:
-            return np.zeros(len(self.members), np.int64)
-        kernel = engine.kernel
-        going, motors = kernel.going, [drive.motors for drive in self._drives.values()]
+    def run(self, ticks: int, commands: Sequence[Command]) -> NDArray[np.int64]:
+        """Run ticks of the members; where something has to happen that the world itself deals with, there are none."""
+        engine = self.states
+        going, motors = engine.kernel.going, [drive.motors for drive in self._drives.values()]
         going[:] = self.members
         engine.begin(ticks)
         for one in motors:
             one.begin()
-        is_whole = self.count == len(going)
-        told = [(column, numbers if is_whole else numbers[going[numbers]]) for column, numbers in commands]
-        for column, numbers in told:
-            if len(numbers):
-                self._drives[column.name].tell(column, numbers)
+        is_whole = np.count_nonzero(self.members) == len(going)
+        for column, rows in commands:
+            told = rows if is_whole else rows[self.members[rows]]
+            if len(told):
+                self._drives[column.name].tell(column, told)
         for left in range(ticks - 1, -1, -1):
             for one in motors:
                 one.act()
             engine.run(is_last=not left)
         engine.place(ticks)
-        rows = np.flatnonzero(going)
-        if len(rows) < self.count:
-            for row in np.flatnonzero(self.members & ~going).tolist():
-                self._remove(row)
-                self._return(row)
-                for column, numbers in told:
-                    column.publish(numbers[numbers == row])
-        if len(rows):
-            for reading in self._readings:
-                reading.update(rows, engine, kernel.times[rows])
         return np.where(going, ticks, 0)
+
+    def times(self, rows: NDArray[np.intp]) -> NDArray[np.float64]:
+        """The times of members, s."""
+        return self.states.kernel.times[rows]
 
 
 class _Drive:
