@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 import random
 import resource
 import struct
+import sys
 import threading
 import zlib
 from collections.abc import Callable, Iterator
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +22,8 @@ from view_pages import Client, fetch
 
 import morse
 from morse.assets import collision
-from morse.viewer import uploads
+from morse.system.workers import Worker, WorkerError
+from morse.viewer import examination, uploads
 from morse.viewer.catalog import Catalog
 from tests.kit.waiting import wait_until
 
@@ -257,13 +260,47 @@ def test_a_damaged_model_is_named_and_the_simulation_goes_on(desk: Desk, content
 
 
 def test_a_model_for_which_the_simulation_would_wait_long_is_not_added(
-    desk: Desk, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(uploads, "_MOST_TRIANGLES", 3)
+    monkeypatch.setattr(examination, "_MOST_TRIANGLES", 3)
+    (tmp_path / "rock.obj").write_text(TETRAHEDRON)
+    examined = examination.examine(tmp_path, [PurePosixPath("rock.obj")])
+    assert "4 triangles" in str(examined.report[0]["error"])
+    assert examined.models == []
+    assert examined.contents == []
+
+
+def test_a_model_that_ends_the_process_that_reads_it_is_named(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(uploads, "_PROGRAM", "this")  # a program that ends without an answer
     (entry,) = report(desk, "rock", {"rock.obj": TETRAHEDRON})
-    assert "4 triangles" in entry["error"]
+    assert "the process that reads it has ended" in entry["error"]
     assert entry["kinds"] == []
-    assert "no model" in desk.ask("add_model", model="rock/rock.obj", position=[0, 0, 0])["error"]
+    monkeypatch.undo()
+    assert report(desk, "rock", {"rock.obj": TETRAHEDRON})[0]["kinds"]
+
+
+@pytest.mark.parametrize("limit", ["MOST_SECONDS", "MOST_MEMORY"])
+def test_a_model_that_takes_too_much_is_named(tmp_path: Path, limit: str) -> None:
+    few = {"MOST_SECONDS": 0.0, "MOST_MEMORY": 1 << 30}[limit]
+    hungry = {"MOST_SECONDS": "while True: pass", "MOST_MEMORY": "[bytes(1 << 26) for _ in range(100)]"}[limit]
+    program = f"""
+from morse.system.workers import Server, limit_resources, serve_program
+from morse.viewer import examination
+def examine(*_):
+    {hungry}
+examination.examine = examine
+limit_resources({few if limit == "MOST_SECONDS" else 60.0}, {few if limit == "MOST_MEMORY" else 8 << 30})
+serve_program(examination.Examination)
+"""
+    (tmp_path / "reader_of_models.py").write_text(program)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *filter(os.path.isabs, sys.path)])}
+    worker = Worker.program("reader_of_models", environment, is_silent=True)
+    try:
+        with pytest.raises(WorkerError):
+            worker.ask(b'["/", []]', 60.0)
+    finally:
+        worker.kill()
+        worker.close()
 
 
 def test_a_disk_is_not_filled(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -286,13 +323,13 @@ def test_what_was_not_sent_cannot_be_named_as_a_robot_of_a_file(desk: Desk, tmp_
 
 def test_ticks_go_on_while_a_model_is_read(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     may_go_on = threading.Event()
-    load = uploads.load
+    ask = Worker.ask
 
-    def slow(path: Any) -> Any:
+    def slow(*arguments: Any) -> bytes:
         assert may_go_on.wait(60)
-        return load(path)
+        return ask(*arguments)
 
-    monkeypatch.setattr(uploads, "load", slow)
+    monkeypatch.setattr(Worker, "ask", slow)
     upload = send(desk, "rock", {"rock.obj": TETRAHEDRON})
     desk._client.send("examine_upload", request=1000, upload=upload)
     before = desk.simulation.clock.time
@@ -377,24 +414,17 @@ def gltf(points: list[float]) -> str:
 def test_the_collision_shapes_of_a_model_are_computed_before_it_is_added(
     desk: Desk, monkeypatch: pytest.MonkeyPatch, file: str
 ) -> None:
-    threads = []
-    few_parts = collision.few_parts
-
-    def computed(*arguments: Any) -> Any:
-        threads.append(threading.current_thread())
-        return few_parts(*arguments)
-
-    monkeypatch.setattr(collision, "few_parts", computed)
+    computed = []
+    monkeypatch.setattr(collision, "few_parts", lambda *arguments: computed.append(arguments))
     size = random.SystemRandom().uniform(1.0, 2.0)  # no shapes of it are kept from an earlier run
     content = (
         TETRAHEDRON.replace("1 0 0", f"{size} 0 0") if file == "rock.obj" else gltf([0, 0, 0, size, 0, 0, 0, 1, 0])
     )
     (entry,) = report(desk, "rock", {file: content})
-    assert threads
-    assert threading.current_thread() not in threads
     for kind, _ in entry["kinds"]:
         desk.do("add_model", model=kind, position=[4, 1, 0])
-    assert threading.current_thread() not in threads
+    assert entry["kinds"]
+    assert not computed, "the process that has read the model has stored its shapes"
 
 
 def test_nothing_is_saved_through_a_link_in_the_place_of_the_folder_of_models(

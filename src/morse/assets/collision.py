@@ -205,7 +205,8 @@ def _is_moved(node: Node) -> bool:
 
 def _stretch(node: Node) -> tuple[float, ...]:
     """How a mesh is stretched in its rigid frame, row by row."""
-    return tuple(round(value, 9) for row in rigid_frame(node).stretch for value in row)
+    # the sum with 0.0 turns -0.0 into 0.0, which has another name in the cache on disk
+    return tuple(round(value, 9) + 0.0 for row in rigid_frame(node).stretch for value in row)
 
 
 def _place(node: Node) -> str:

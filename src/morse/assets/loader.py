@@ -8,7 +8,7 @@ import os
 import reprlib
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.assets.errors import AssetError
 from morse.assets.formats import ARGUMENTS, reader_of
@@ -68,6 +68,31 @@ def load(path: str | Path, arguments: Mapping[str, str] | None = None) -> Librar
     _cache[key] = (stamp, library)
     _warn(path, library, read=True)
     return library
+
+
+class Content(NamedTuple):
+    """The content of a file, to be sent to another process.
+
+    Attributes:
+        path: of the file.
+        stamp: modification time, ns, and size, bytes, when it was read.
+        library: its nodes.
+    """
+
+    path: Path
+    stamp: tuple[int, int]
+    library: Library
+
+
+def content_of(path: Path) -> Content:
+    """The content of a file that was read by `load`, without arguments."""
+    return Content(path.absolute(), *_cache[path.absolute(), ()])
+
+
+def keep(contents: Iterable[Content]) -> None:
+    """Take contents of files that another process has read: `load` does not read them again."""
+    for one in contents:
+        _cache[one.path, ()] = (one.stamp, one.library)
 
 
 def _check(path: Path, library: Library) -> list[Mesh]:

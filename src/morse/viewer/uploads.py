@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import json
 import os
 import queue
 import re
@@ -18,24 +19,24 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from morse.assets import load, search
-from morse.assets.collision import prepare_moving
-from morse.assets.formats import is_model, of_strangers, suffixes
-from morse.assets.summary import class_of, contents
+from morse.assets import search
+from morse.assets.formats import suffixes
+from morse.assets.loader import keep
 from morse.builder.editing.changes import UnwritableError
 from morse.core.exceptions import MorseError
-from morse.core.reports.faults import message
-from morse.core.reports.quoting import quoted, short
+from morse.core.reports.quoting import quoted
 from morse.core.validation.names import DEVICES
-from morse.helpers.descriptions import robot_file, robot_kind
+from morse.helpers.descriptions import robot_file
 from morse.services.recording_services import LEAST
 from morse.system.free_names import free_name
-from morse.viewer.view_messages import Answer, Model
+from morse.system.workers import Worker, WorkerError
+from morse.viewer.examination import MOST_MEMORY, MOST_SECONDS, PATIENCE, Examined, entry, read_answer
+from morse.viewer.view_messages import Answer
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable
 
-    from morse.scene import Library, Scene
+    from morse.scene import Scene
     from morse.viewer import page_messages as page
     from morse.viewer.catalog import Catalog
     from morse.viewer.page_inputs import ServiceCalls
@@ -44,9 +45,6 @@ if TYPE_CHECKING:
 #: bytes of one upload, and of all uploads of a run; uploads and files of a run
 _LARGEST, _MOST_BYTES = 128 << 20, 512 << 20
 _MOST_UPLOADS, _MOST_FILES = 100, 5000
-#: triangles of a model that is added to a running simulation, which waits for it; about 10 µs each, since their
-#: collision shapes were computed by the examination
-_MOST_TRIANGLES = 300_000
 #: folders below each other, characters of a name
 _DEEPEST, _LONGEST = 8, 100
 #: characters that no file has on all systems, and names that begin or end as those of files do not
@@ -57,10 +55,7 @@ _PARTS = frozenset(
 )
 #: a file of xacro runs expressions, and names files of the disk
 _NEVER = frozenset({".xacro", ".py"})
-#: files that describe a whole robot or world, then those of scenes; others are parts of them, if there are any
-_WHOLES = ((".urdf", ".sdf", ".world", ".xml", ".mjcf"), (".blend", ".glb", ".gltf"))
-#: files of an upload that are examined, objects of a file that are offered, lines about a file
-_MOST_MODELS, _MOST_OBJECTS, _MOST_LINES = 20, 200, 60
+_PROGRAM = "morse.viewer.examination"
 
 
 @dataclass
@@ -85,7 +80,8 @@ class Uploads:
         self._scene, self._server, self._services, self._catalog = scene, server, services, catalog
         self._root: tempfile.TemporaryDirectory[str] | None = None
         self._uploads: dict[int, _Upload] = {}
-        self._examined: queue.SimpleQueue[tuple[int, list[dict[str, object]], list[Model]]] = queue.SimpleQueue()
+        self._examined: queue.SimpleQueue[tuple[int, Examined]] = queue.SimpleQueue()
+        self._reader: Worker | None = None
         self._thread: threading.Thread | None = None
 
     # -- requests --------------------------------------------------------------------------
@@ -161,15 +157,33 @@ class Uploads:
         return upload
 
     def examine(self, event: page.ExamineUpload) -> None:
-        """Read the models in another thread: a large one takes seconds. The answer comes when they have been read."""
+        """Read the models in another process: a large one takes seconds. The answer comes when they have been read."""
         if self._services.attempt(event.request, lambda: self._check_complete(event.upload)):
             upload, request = self._uploads[event.upload], event.request
             self._thread = threading.Thread(
-                target=lambda: self._examined.put((request, *_examination(upload.folder, upload.files))),
+                target=lambda: self._examined.put((request, self._examination(upload))),
                 name="uploaded models",
                 daemon=True,
             )
             self._thread.start()
+
+    def _examination(self, upload: _Upload) -> Examined:
+        """What the process says, in a thread that waits for it."""
+        name, why = upload.folder.name, "the process that reads it has ended"
+        try:
+            self._reader = reader = Worker.program(_PROGRAM, is_silent=True)
+            try:
+                paths = [path.as_posix() for path, _ in upload.files]
+                return read_answer(reader.ask(json.dumps([str(upload.folder), paths]).encode(), PATIENCE))
+            finally:
+                self._reader = None
+                reader.kill()
+                reader.close()
+        except WorkerError as error:
+            why = f"{why}{error}: a model takes at most {MOST_SECONDS:g} s and {MOST_MEMORY >> 30} GiB of memory"
+        except OSError as error:
+            why = f"the process that reads it cannot be started: {error.strerror or error}"
+        return Examined([entry(name, why)], [], [])
 
     def _check_complete(self, number: int) -> None:
         upload = self._upload(number)
@@ -182,9 +196,10 @@ class Uploads:
     def update(self) -> None:
         """Answer what has been examined."""
         while not self._examined.empty():
-            request, report, models = self._examined.get()
-            self._catalog.add(models)
-            self._server.send(Answer(request, True, report))
+            request, examined = self._examined.get()
+            keep(examined.contents)
+            self._catalog.add(examined.models)
+            self._server.send(Answer(request, True, examined.report))
 
     def _attempt(self, request: int, action: Callable[[], object]) -> None:
         values: list[object] = []
@@ -225,7 +240,9 @@ class Uploads:
                 raise UnwritableError(f"{target} is not written: {error.strerror or error}") from None
 
     def close(self) -> None:
-        """Delete the files."""
+        """Delete the files, and end the process that reads them."""
+        if (reader := self._reader) is not None:
+            reader.kill()
         if self._root is not None:
             self._root.cleanup()
 
@@ -262,68 +279,3 @@ def _checked_path(text: str) -> PurePosixPath:
         kinds = " ".join(one for one in suffixes() if one not in _NEVER)
         raise MorseError(f"{quoted(text)} is not part of a model: expected files {kinds}, and their pictures")
     return PurePosixPath(*parts)
-
-
-# -- examination, in a thread of its own ----------------------------------------------------------
-
-
-def _examination(
-    folder: Path, files: Sequence[tuple[PurePosixPath, int]]
-) -> tuple[list[dict[str, object]], list[Model]]:
-    """What is to be said about each model, and the models that can be added."""
-    report: list[dict[str, object]] = []
-    models: list[Model] = []
-    paths = _wholes(folder, [path for path, _ in files])
-    if not paths:
-        report.append(_entry(folder.name, "there is no model among the files"))
-    for path in paths[:_MOST_MODELS]:
-        try:
-            with of_strangers():
-                library = load(folder / path)
-            found, why = _models(f"{folder.name}/{path.as_posix()}", library)
-            if found and class_of(library) != "Robot":
-                prepare_moving(library.nodes())
-            lines = [[title, short(text, 400)] for title, text in contents(library)][:_MOST_LINES]
-        except Exception as error:  # a reader of a package may raise anything
-            text = message(error).replace(f"{folder}{os.sep}", "").replace(str(folder), folder.name)
-            report.append(_entry(path.as_posix(), short(text, 500)))
-            continue
-        models += found
-        report.append(_entry(path.as_posix(), why, lines, found))
-    return report, models
-
-
-def _entry(file: str, error: str, lines: Sequence[list[str]] = (), models: Sequence[Model] = ()) -> dict[str, object]:
-    return {"file": file, "error": error, "contents": [*lines], "kinds": [[one.kind, one.name] for one in models]}
-
-
-def _wholes(folder: Path, paths: Sequence[PurePosixPath]) -> list[PurePosixPath]:
-    """The files that are not parts of others, those in the fewest folders first."""
-    found = sorted((path for path in paths if is_model(Path(path))), key=lambda path: (len(path.parts), path))
-    # package.xml of ROS, and others
-    found = [path for path in found if path.suffix.lower() != ".xml" or b"<mujoco" in (folder / path).read_bytes()]
-    for endings in _WHOLES:
-        if wholes := [path for path in found if path.suffix.lower() in endings]:
-            return wholes
-    return found
-
-
-def _models(file: str, library: Library) -> tuple[list[Model], str]:
-    """The models of a file that can be added, and why there are none."""
-    name = PurePosixPath(file).stem
-    if library.world:
-        return [], f"it is a world, which a scene has one of: write Environment({file!r}) into the script"
-    if not library.roots:
-        return [], "there is nothing in it"
-    triangles = sum(len(node.mesh.triangles) for node in library.nodes() if node.mesh is not None)
-    if triangles > _MOST_TRIANGLES:
-        return [], (
-            f"it has {triangles:,} triangles, of which a running simulation takes at most {_MOST_TRIANGLES:,}: make it "
-            f"simpler, or write PassiveObject({file!r}) into the script"
-        )
-    if class_of(library) == "Robot":
-        return [Model(robot_kind(file), name, "robots", "a robot of your own files")], ""
-    group = f"{name}, of your own files"
-    if len(library.roots) == 1:
-        return [Model(file, name, group)], ""
-    return [Model(f"{file}#{root.name}", root.name, group) for root in library.roots[:_MOST_OBJECTS]], ""
