@@ -15,6 +15,7 @@ from morse.many import Twin
 from morse.plugins.twin import command as twin_command
 from morse.plugins.twin.fit import relations
 from morse.plugins.twin.parameters import Parameter
+from morse.plugins.twin.replay import Simulations
 
 SCRIPT = """
 from morse.builder import *
@@ -40,7 +41,7 @@ def preset_file(folder, values, name="planted.json"):
     (folder / name).write_text(json.dumps({"morse preset": 1, "values": values}))
 
 
-def record(scene, path, seconds=16.0, seed=3):
+def record(scene, path, seconds=10.0, seed=3):
     rng = np.random.default_rng(seed)
     with morse.load(scene, seed=seed) as sim, sim.record(path):
         for _ in range(round(seconds)):
@@ -63,8 +64,8 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fitted(folder):
-    names = ["wheel_radius", "track", "motion.lag", "motion.delay", "imu.bias.angular_velocity", "imu.place.x"]
-    return Twin(folder / "drive.mcap", folder / "scene.py", fit=names).fit(workers=2)
+    names = ["wheel_radius", "track", "motion.lag", "motion.delay", "imu.bias.angular_velocity"]
+    return Twin(folder / "drive.mcap", folder / "scene.py", fit=names).fit(workers=0)
 
 
 @pytest.mark.parametrize("name", PLANTED)
@@ -161,6 +162,43 @@ def test_parameters_without_effect_are_told(folder):
     assert "robot.motion.place.x has no effect here" in fitted.result.relations
     assert set(fitted.values) == {"robot.wheel_radius"}
     assert "robot.motion.place.x is not known from this log; it stays 0 m" in fitted.lines()
+
+
+def test_a_manoeuvre_is_proposed_for_no_more_than_the_fit_costs(tmp_path, monkeypatch):
+    """A robot that only drives straight on says nothing about its track; one that turns does."""
+    simulated = []
+    each = Simulations.each
+
+    def counted(self, points, duration):
+        simulated.append((self, len(points) * duration))
+        return each(self, points, duration)
+
+    monkeypatch.setattr(Simulations, "each", counted)
+    (tmp_path / "scene.py").write_text(SCRIPT)
+    lines = ["time,robot.motion.v,robot.motion.w,robot.pose.x,robot.pose.y,robot.pose.yaw"]
+    rng = np.random.default_rng(1)
+    lines += [f"{k / 10},0.5,0.0,{k * 0.053 + rng.normal(0.0, 0.01)},0.0,0.0" for k in range(50)]
+    (tmp_path / "straight.csv").write_text("\n".join(lines))
+    fitted = Twin(tmp_path / "straight.csv", tmp_path / "scene.py", fit=["wheel_radius", "track"]).fit(workers=0)
+    assert "robot.track has no effect here" in fitted.result.relations
+    assert "robot.motion.w between" in fitted.manoeuvre.text
+    assert fitted.manoeuvre.spreads["robot.track"] < 0.05 * 0.34
+    fit = simulated[0][0]
+    of_fit = sum(seconds for one, seconds in simulated if one is fit)
+    # one manoeuvre is always tried for 6 s, and then judged for 12 s with both parameters
+    assert sum(seconds for one, seconds in simulated if one is not fit) <= max(of_fit, 2 * 6.0 + 3 * 12.0)
+
+
+def test_processes_simulate_the_same_as_one(folder):
+    twin = Twin(folder / "drive.mcap", folder / "scene.py", fit=["wheel_radius"])
+    points = [{"robot.wheel_radius": radius} for radius in (0.09, 0.1, 0.11)]
+    found = []
+    for workers in (0, 2):
+        with Simulations(twin._all, [twin.commands], {"robot.pose": ["x", "yaw"]}, workers) as simulations:
+            found.append(simulations.each(points, 2.0))
+            assert simulations.seconds == 6.0
+    for one, other in zip(*found, strict=True):
+        assert one["robot.pose"].fields["x"].tobytes() == other["robot.pose"].fields["x"].tobytes()
 
 
 def test_what_only_together_has_an_effect_is_said_in_words():

@@ -13,7 +13,7 @@ from morse.plugins.twin.comparison import Comparison, noise_of, persistence, shi
 from morse.plugins.twin.replay import ReplayError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from numpy.typing import NDArray
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 _HORIZONS = (0.08, 0.3, 1.0)
 #: shortest part, s
 _SHORTEST = 2.0
-#: largest number of steps for each part
-_STEPS = 12
+#: largest number of steps for each part, and how often their derivatives are computed by differences
+_STEPS, _DIFFERENTIATIONS = 24, 12
 #: first step of differences, relative to the scale of a parameter, and its range later on
 _DIFFERENCE, _FINEST, _COARSEST = 1e-3, 3e-4, 1e-2
 #: shares of what a robot is late that are taken for the lag of its commands; the rest is their delay
@@ -49,8 +49,13 @@ _INNER = 4
 _GAINED = 1e-3
 #: the largest step, for scaled parameters
 _FARTHEST = 0.5
-#: a fit ends if a step makes the sum of squares of errors smaller by less than this: a share of the spreads
-_LITTLE = 0.3
+#: a fit ends if a step makes the sum of squares of errors smaller by less than this: a share of the spreads; and the
+#: share of the number of errors with which the beginning of a log ends
+_LITTLE, _LITTLE_OF_PART = 0.3, 1e-3
+#: derivatives are updated without simulations if a step gains at least this share of what they predict
+_PREDICTED = 0.5
+#: derivatives are those of the solution if they are of a point that is nearer than this, in spreads
+_NEAR = 3.0
 #: a fit ends if steps are smaller than this share of the spreads
 _SMALL = 0.05
 #: of the first step, from where errors are not the noise
@@ -104,6 +109,20 @@ class _Equations(NamedTuple):
     side: Floats
     information: Floats
     best: Floats
+
+
+class _Derivatives(NamedTuple):
+    """How errors change with parameters.
+
+    Attributes:
+        columns: of the errors of each channel, (N, P) each, per scale of the parameters.
+        at: (P,) the values with which they were computed by differences.
+        moving: the parameters that had an effect there and need a simulation.
+    """
+
+    columns: list[Floats]
+    at: Floats
+    moving: list[int]
 
 
 @dataclass
@@ -211,26 +230,64 @@ class Fit:
         traces = self._simulations.each([self._scene_values(values) for values in points], horizon)
         return [self._point(values, trace, horizon) for values, trace in zip(points, traces, strict=True)]
 
-    def information_at(self, traces: Traces) -> Floats:
-        """What measurements like these tell about the scaled parameters, at the values that they have."""
+    def information_at(self, traces: Traces, only: Collection[int] | None = None) -> Floats:
+        """What measurements like these tell about the scaled parameters, at the values that they have.
+
+        Args:
+            only: parameters; what is told about others is left out. None for all.
+        """
         here = self._point(np.array([one.value for one in self._parameters]), traces, self._duration)
         self._differences = 0.1 * _COARSEST * self._scales
-        return self._equations(here, self._jacobian(here, self._duration)).information
+        wanted = range(len(self._parameters)) if only is None else only
+        columns = self._jacobian(here, self._duration, [number for number in self._moving if number in wanted])
+        for column in columns:
+            column[:, [number for number in self._measuring if number not in wanted]] = 0.0
+        return self._equations(here, columns).information
 
     # -- differences ---------------------------------------------------------------------------
 
-    def _jacobian(self, here: Point, horizon: float, *, is_moving: bool = True) -> list[Floats]:
+    def _differentiated(self, here: Point, horizon: float) -> _Derivatives:
+        """The derivatives by differences between simulations."""
+        columns = self._jacobian(here, horizon, self._moving)
+        moving = [number for number in self._moving if any(column[:, number].any() for column in columns)]
+        return _Derivatives(columns, here.values, moving)
+
+    def _updated(self, before: _Derivatives, here: Point, there: Point, horizon: float) -> _Derivatives:
+        """The derivatives after a step without simulations: the smallest change that explains it (Broyden 1965)."""
+        change = (there.values - here.values) / self._scales
+        own = np.zeros(len(change))
+        own[before.moving] = change[before.moving]
+        length = float(own @ own)
+        columns = self._jacobian(there, horizon, ())
+        for channel, column in enumerate(columns):
+            old = before.columns[channel]
+            missing = self._change(channel, here, there) - old @ change
+            missing[~np.isfinite(missing)] = 0.0
+            column[:, self._moving] = old[:, self._moving]
+            if length > 0.0:
+                column += np.outer(missing, own / length)
+        return before._replace(columns=columns)
+
+    def _change(self, channel: int, here: Point, there: Point) -> Floats:
+        """How the errors of a channel differ between points."""
+        change = there.errors[channel] - here.errors[channel]
+        if self._comparison.channels[channel].is_angle:
+            change = (change + math.pi) % (2.0 * math.pi) - math.pi
+        return change
+
+    def _jacobian(self, here: Point, horizon: float, moving: Sequence[int]) -> list[Floats]:
         """The derivatives of the errors of each channel, (N, P) each, per scale of the parameters.
 
-        Those of parameters that need a simulation are 0 if not ``is_moving``.
+        Args:
+            moving: the parameters that are varied of those that need a simulation; the derivatives of others are 0.
         """
         steps = np.where(here.values + self._differences <= self._highs, self._differences, -self._differences)
         points = []
-        for number in self._moving if is_moving else ():
+        for number in moving:
             values = here.values.copy()
             values[number] += steps[number]
             points.append(values)
-        moved: dict[int, Point] = dict(zip(self._moving, self.at(points, horizon), strict=True)) if points else {}
+        moved: dict[int, Point] = dict(zip(moving, self.at(points, horizon), strict=True)) if points else {}
         for number in self._measuring:
             values = here.values.copy()
             values[number] += steps[number]
@@ -239,10 +296,7 @@ class Fit:
         for channel in range(len(self._comparison.channels)):
             column = np.zeros((len(here.errors[channel]), len(self._parameters)))
             for number, point in moved.items():
-                change = point.errors[channel] - here.errors[channel]
-                if self._comparison.channels[channel].is_angle:
-                    change = (change + math.pi) % (2.0 * math.pi) - math.pi
-                column[:, number] = change / steps[number] * self._scales[number]
+                column[:, number] = self._change(channel, here, point) / steps[number] * self._scales[number]
             columns.append(column)
         return columns
 
@@ -252,7 +306,7 @@ class Fit:
         information, best = np.zeros((count, count)), np.zeros((count, count))
         for error, column, size, noise in zip(here.errors, jacobian, self._deviations, self._noises, strict=True):
             is_finite = np.isfinite(error) & np.isfinite(column).all(axis=1)
-            if not is_finite.any():
+            if not is_finite.any() or not math.isfinite(size):
                 continue
             scaled, rows = error[is_finite] / size, column[is_finite] / size
             weights = _weights(scaled)
@@ -286,7 +340,7 @@ class Fit:
             if not self._parameters:
                 break
             ends: list[tuple[float, Point, Floats]] = []
-            for values in beginnings[:tries]:
+            for values in self._by_badness(beginnings, horizon)[:tries]:
                 # what a part hardly tells is left to the whole
                 vague = _VAGUE if horizon == self._duration else _SURE
                 here, information = self._descend(values, horizon, vague)
@@ -370,6 +424,13 @@ class Fit:
         # the estimates first
         return self._different([*found[1:], guess])
 
+    def _by_badness(self, beginnings: Sequence[Floats], horizon: float) -> list[Floats]:
+        """The most likely beginning first."""
+        if len(beginnings) < 2:
+            return list(beginnings)
+        points = [self._measured(self._weigh(there), horizon, _SURE) for there in self.at(beginnings, horizon)]
+        return [point.values for point in sorted(points, key=self._badness)]
+
     def _named(self, what: str) -> list[tuple[int, Parameter]]:
         return [(at, one) for at, one in enumerate(self._parameters) if one.name == f"{one.component}.{what}"]
 
@@ -403,34 +464,52 @@ class Fit:
         (here,) = self.at([values], horizon)
         here = self._measured(self._weigh(here), horizon, vague)
         damping = _DAMPING if self._unexplained(here) else 0.0
-        information = np.zeros((len(values), len(values)))
+        is_whole = horizon == self._duration
+        little = _LITTLE if is_whole else max(_LITTLE, _LITTLE_OF_PART * _count(here))
+        derivatives, is_fresh, count = self._differentiated(here, horizon), True, 1
         for step in range(_STEPS):
-            equations = self._equations(here, self._jacobian(here, horizon))
-            information = equations.information
+            equations = self._equations(here, derivatives.columns)
             # without those that errors share: far from the solution, all errors do
             spreads = spreads_of(equations.matrix) * self._scales
-            better = None
-            for _ in range(6):
+            better, gain, is_tried = None, 0.0, False
+            # with derivatives that were updated, a step that gains nothing says nothing about the solution
+            for _ in range(6 if is_fresh else 1):
                 goal = self._goal(here.values, equations, damping, vague)
                 if not self._is_worth_it(goal - here.values, spreads):
                     break
+                gain, is_tried = self._predicted(goal - here.values, equations), True
                 better = self._tried(goal, here, horizon, vague)
                 if better is not None:
                     damping = 0.1 * damping if damping > 1e-4 else 0.0
                     break
                 damping = max(10.0 * damping, 1e-2)
             self._tell(f"{horizon:.3g} s, step {step + 1}: error {math.sqrt(here.cost / max(_count(here), 1)):.4g}")
-            if better is None:
+            gained = 0.0 if better is None else here.cost - better.cost
+            is_solved = not is_tried if better is None else damping == 0.0 and gained < little
+            if better is not None:
+                derivatives = self._updated(derivatives, here, better, horizon)
+                here = self._weigh(better)
+            is_near = self._is_near(here.values - derivatives.at, spreads)
+            if (is_solved and (is_near or not is_whole)) or (better is None and is_fresh):
                 break
-            is_small = damping == 0.0 and here.cost - better.cost < _LITTLE
-            here = self._weigh(better)
-            if is_small:
+            is_fresh = is_solved or gained < _PREDICTED * gain or better is None
+            if is_fresh and count == _DIFFERENTIATIONS:
                 break
-            # the spreads if all others were known: larger differences of parameters of the same effect seem to tell
-            # them apart, by their curvature
-            alone = self._scales / np.sqrt(np.maximum(np.diag(equations.matrix), _WITHOUT_EFFECT**-2))
-            self._differences = np.clip(alone, self._finest, self._coarsest)
-        return here, information
+            if is_fresh:
+                # the spreads if all others were known: larger differences of parameters of the same effect seem to
+                # tell them apart, by their curvature
+                alone = self._scales / np.sqrt(np.maximum(np.diag(equations.matrix), _WITHOUT_EFFECT**-2))
+                self._differences = np.clip(alone, self._finest, self._coarsest)
+                derivatives, count = self._differentiated(here, horizon), count + 1
+        return here, self._equations(here, derivatives.columns).information
+
+    def _predicted(self, change: Floats, equations: _Equations) -> float:
+        """By how much the cost falls with a step if errors are linear."""
+        scaled = change / self._scales
+        return float(2.0 * equations.side @ scaled - scaled @ equations.matrix @ scaled)
+
+    def _is_near(self, change: Floats, spreads: Floats) -> bool:
+        return bool((np.abs(change) <= _NEAR * np.where(np.isfinite(spreads), spreads, self._scales)).all())
 
     def _goal(self, values: Floats, equations: _Equations, damping: float, vague: float) -> Floats:
         """The next values: those that would leave their range stay, and the others are solved without them."""
@@ -474,7 +553,7 @@ class Fit:
     def _measured(self, here: Point, horizon: float, vague: float) -> Point:
         """The point with the gains, biases and delays of sensors that suit its simulation best."""
         for _ in range(_INNER if self._measuring else 0):
-            equations = self._equations(here, self._jacobian(here, horizon, is_moving=False))
+            equations = self._equations(here, self._jacobian(here, horizon, ()))
             goal = self._goal(here.values, equations, 0.0, vague)
             there = self._point(goal, here.traces, horizon)
             if not self._is_better(there, here):

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 #: length of a manoeuvre, s, the rate of its commands, Hz, and how much farther than in the log they go
 _LENGTH, _RATE, _FARTHER = 12.0, 20.0, 1.5
+#: the beginning of manoeuvres by which they are compared, s
+_COMPARED = 6.0
 #: largest number of fields that are varied
 _MOST = 8
 #: waves of times (N,), from -1 to 1; fields that are varied together have different factors of time, from 1 on
@@ -56,39 +58,58 @@ def propose(
     sensors: Mapping[str, Sequence[str]],
     probe: Probe,
     workers: int,
+    most: float,
 ) -> Manoeuvre | None:
-    """The manoeuvre after which most of the parameters are known that are not known now; None for none."""
+    """The manoeuvre after which most of the parameters are known that are not known now; None for none.
+
+    All manoeuvres are compared by what they would tell about the unknown parameters if the others were known. The best
+    one is then judged with all parameters.
+
+    Args:
+        most: simulated time that this may take, s; one manoeuvre is always tried.
+    """
     unknown = [number for number in range(len(result.parameters)) if not result.is_known(number)]
     if not unknown:
         return None
     scales = np.array([one.scale for one in result.parameters])
     found = [replace(one, value=float(value)) for one, value in zip(result.parameters, result.values, strict=True)]
-    best: tuple[float, Manoeuvre] | None = None
-    for text, orders in _candidates(commands, probe):
+    values = {one.name: one.value for one in found if one.correction is None}
+    sizes = dict(zip([one.name for one in comparison.channels], result.deviations, strict=True))
+    candidates = list(_candidates(commands, probe))
+    # one simulation, and one for each parameter that needs some
+    judged = (1 + len(values)) * _LENGTH
+    compared = (1 + sum(found[number].correction is None for number in unknown)) * _COMPARED
+
+    def spreads(which: int, length: float, only: Sequence[int] | None = None) -> Floats:
+        simulations.which = which
+        (traces,) = simulations.each([values], length)
+        there = Comparison.of(traces, probe)
+        deviations = [sizes.get(one.name, math.inf) for one in there.channels]
+        fit = Fit(found, there, simulations, length, deviations=deviations)
+        return np.asarray(spreads_of(result.information + fit.information_at(traces, only)) * scales)
+
+    best: tuple[float, int] | None = None
+    with Simulations(parameters, [orders for _, orders in candidates], sensors, workers) as simulations:
+        for which in range(len(candidates)):
+            if simulations.seconds + compared + judged > most and best is not None:
+                break
+            try:
+                there = spreads(which, _COMPARED, unknown)
+            except ReplayError:
+                continue
+            left = float(np.minimum(there[unknown] / scales[unknown], 10.0 * UNKNOWN).sum())
+            if best is None or left < best[0]:
+                best = left, which
+        if best is None or best[0] >= 10.0 * UNKNOWN * len(unknown):
+            return None
         try:
-            with Simulations(parameters, orders, sensors, workers) as simulations:
-                values = {one.name: one.value for one in found if one.correction is None}
-                (traces,) = simulations.each([values], _LENGTH)
-                there = Comparison.of(traces, probe)
-                sizes = dict(zip([one.name for one in comparison.channels], result.deviations, strict=True))
-                fit = Fit(
-                    found,
-                    there,
-                    simulations,
-                    _LENGTH,
-                    deviations=[sizes.get(one.name, math.inf) for one in there.channels],
-                )
-                information = result.information + fit.information_at(traces)
+            there = spreads(best[1], _LENGTH)
         except ReplayError:
-            continue
-        spreads = spreads_of(information) * scales
-        left = sum(min(float(spreads[number] / scales[number]), 10.0 * UNKNOWN) for number in unknown)
-        if best is None or left < best[0]:
-            names = [one.name for one in result.parameters]
-            best = left, Manoeuvre(text, dict(zip(names, map(float, spreads), strict=True)))
-    if best is None or not any(best[1].spreads[found[number].name] < UNKNOWN * scales[number] for number in unknown):
+            return None
+    if not (there[unknown] < UNKNOWN * scales[unknown]).any():
         return None
-    return best[1]
+    names = [one.name for one in result.parameters]
+    return Manoeuvre(candidates[best[1]][0], dict(zip(names, map(float, there), strict=True)))
 
 
 def _candidates(commands: Mapping[str, Samples], probe: Probe) -> Iterator[tuple[str, dict[str, Samples]]]:
@@ -96,13 +117,14 @@ def _candidates(commands: Mapping[str, Samples], probe: Probe) -> Iterator[tuple
     fields = [
         (name, field) for name, one in commands.items() for field, values in one.fields.items() if values.ndim == 1
     ]
-    # what the log varies, else all
-    fields = [(name, field) for name, field in fields if np.ptp(commands[name].fields[field])][:_MOST] or fields[:_MOST]
+    # what the log varies first, and then what it does not
+    fields = sorted(fields, key=lambda one: not np.ptp(commands[one[0]].fields[one[1]]))[:_MOST]
     rest = {
         name: {field: np.full((len(times), *values.shape[1:]), _middle(values)) for field, values in one.fields.items()}
         for name, one in commands.items()
     }
-    for chosen in [*([one] for one in fields), *([fields] if len(fields) > 1 else [])]:
+    # what varies all tells most
+    for chosen in [*([fields] if len(fields) > 1 else []), *([one] for one in fields)]:
         for what, wave in _WAVES.items():
             orders = {name: dict(columns) for name, columns in rest.items()}
             words = []

@@ -255,23 +255,30 @@ def _mean(shares: Floats, values: Floats) -> Any:
 
 
 class Simulating(Server):
-    """Simulates a scene with values of its parameters."""
+    """Simulates a scene with values of its parameters.
+
+    Args:
+        commands: one or more sets of commands, each as for `replay`.
+    """
 
     def __init__(
-        self, parameters: Parameters, commands: Mapping[str, Samples], sensors: Mapping[str, Sequence[str]]
+        self,
+        parameters: Parameters,
+        commands: Sequence[Mapping[str, Samples]],
+        sensors: Mapping[str, Sequence[str]],
     ) -> None:
         self._parameters, self._commands, self._sensors = parameters, commands, sensors
 
-    def traces(self, values: Mapping[str, float], duration: float) -> dict[str, Samples]:
+    def traces(self, values: Mapping[str, float], duration: float, which: int = 0) -> dict[str, Samples]:
         """See `replay`."""
-        commands = {name: one.until(duration) for name, one in self._commands.items()}
+        commands = {name: one.until(duration) for name, one in self._commands[which].items()}
         return replay(self._parameters.scene_of(values), commands, self._sensors, duration)
 
     def answer(self, question: bytes) -> bytes:
-        """The measurements for values and a duration, as bytes."""
-        values, duration = json.loads(question)
+        """The measurements for values, a duration and a set of commands, as bytes."""
+        values, duration, which = json.loads(question)
         try:
-            traces = self.traces(values, duration)
+            traces = self.traces(values, duration, which)
         except Exception as error:
             return b"!" + str(error).encode("utf-8", "replace")
         content = {
@@ -300,20 +307,23 @@ class Simulations:
     """Many simulations of a scene with other values, in several processes.
 
     Args:
+        commands: one or more sets of commands, each as for `replay`.
         workers: number of processes; 0 for this one.
 
     Attributes:
         count: number of simulations so far.
+        seconds: simulated time so far, s.
+        which: number of the set of commands that is simulated.
     """
 
     def __init__(
         self,
         parameters: Parameters,
-        commands: Mapping[str, Samples],
+        commands: Sequence[Mapping[str, Samples]],
         sensors: Mapping[str, Sequence[str]],
         workers: int,
     ) -> None:
-        self.count = 0
+        self.count, self.seconds, self.which = 0, 0.0, 0
         self._here = Simulating(parameters, commands, sensors)
         self._pool: WorkerPool[Worker] | None = None
         if workers > 1 and can_fork():
@@ -331,10 +341,11 @@ class Simulations:
             ReplayError: a simulation has failed.
         """
         self.count += len(points)
+        self.seconds += len(points) * duration
         pool = self._pool
         if pool is None or len(points) == 1:
-            return [self._here.traces(values, duration) for values in points]
-        questions = [json.dumps([dict(values), duration]).encode() for values in points]
+            return [self._here.traces(values, duration, self.which) for values in points]
+        questions = [json.dumps([dict(values), duration, self.which]).encode() for values in points]
         futures = [pool.submit(partial(Worker.ask, question=question)) for question in questions]
         return [_read(future.result()) for future in futures]
 

@@ -195,7 +195,7 @@ class Twin:
             workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         sensors = {link.component: list(link.sources) for link in self.links if not link.is_command}
         tell = progress or (lambda line: None)
-        with Simulations(self._all, self.commands, sensors, workers) as simulations:
+        with Simulations(self._all, [self.commands], sensors, workers) as simulations:
             (traces,) = simulations.each([{}], self.duration)
             align(self._comparison, traces, fitted=self._delayed())
             result = Fit(
@@ -204,7 +204,8 @@ class Twin:
         proposal = None
         if manoeuvre and not all(map(result.is_known, range(len(result.parameters)))):
             tell("searches a manoeuvre that tells more")
-            proposal = propose(result, self._all, self._comparison, self.commands, sensors, self._probe, workers)
+            most = simulations.seconds
+            proposal = propose(result, self._all, self._comparison, self.commands, sensors, self._probe, workers, most)
         return Fitted(self, result, self._comparison, proposal, self._remarks())
 
     def _delayed(self) -> set[str]:
