@@ -92,6 +92,7 @@ class ComponentDeclaration:
         is_optional: whether the scene is loaded without it, with a warning, if it cannot work, because a model file
             declares it.
         measures_joint: whether a sensor measures the load of the joint that carries its link, also of a fixed joint.
+        placed: root objects that it places when the simulation starts: the boxes of a dispenser.
     """
 
     node: Node
@@ -109,6 +110,7 @@ class ComponentDeclaration:
     where: SourceLine | None = None
     is_optional: bool = False
     measures_joint: bool = False
+    placed: list[Node] = field(default_factory=list)
 
     @property
     def name(self) -> str:

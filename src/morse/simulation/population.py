@@ -381,6 +381,10 @@ class Population:
         roots = [obj]
         if name in self._recipes:
             roots = [objects[root] for root in self._recipes[name].roots if root in objects]
+        else:
+            roots += [
+                objects[node.name] for one in self._declared([obj.node]) for node in one.placed if node.name in objects
+            ]
         return roots, {node for root in roots for node in root.node.walk()}
 
     def delete(self, name: str) -> None:
@@ -514,6 +518,10 @@ class Population:
     def roots_at_launch(self) -> list[str]:
         """Return the root objects of the launch."""
         return [root.name for root in self._launch[0]]
+
+    def placed_at_launch(self, name: str) -> list[str]:
+        """Return the root objects that a robot of the launch places when the simulation starts."""
+        return [node.name for d in self._launch[1] if d.name == name for node in d.placed]
 
     def components_at_launch(self) -> list[str]:
         """Return the sensors and actuators of the launch."""

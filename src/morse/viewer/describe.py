@@ -177,6 +177,7 @@ def describe(
     frames = rigid_frames(nodes)
     is_stretched = (frames.stretches != np.eye(3)).any(axis=(1, 2))
     kinds = {id(component.node): component.kind for component in scene.components}
+    placed = {id(node): component.name for component in scene.components for node in component.placed}
     movers = {id(mover.node): mover.frame for mover in moving}
     visible_meshes = [shown_mesh(node) for node in nodes]
     asset_store.add_meshes(mesh for mesh in visible_meshes if mesh is not None)
@@ -203,6 +204,7 @@ def describe(
                 shapes=[_shape(shape) for shape in node.shapes or ()],
                 follows=_follows(node, mesh, index),
                 kind=kinds.get(id(node), ""),
+                placed_by=placed.get(id(node), ""),
             )
         )
     return d.SceneDescription(

@@ -165,6 +165,7 @@ class NodeDescription(Struct, frozen=True):
         materials: indices, by slot.
         follows: of a deformable body, the node that each vertex of its mesh follows; else None.
         kind: kind of the component that the node belongs to: ``robot``, ``sensor``, ...; empty if none.
+        placed_by: name of the component that places it when the simulation starts; empty if none.
     """
 
     name: str
@@ -182,6 +183,7 @@ class NodeDescription(Struct, frozen=True):
     shapes: list[ShapeDescription] = []
     follows: list[int] | None = None
     kind: str = ""
+    placed_by: str = ""
 
 
 class MistDescription(Struct, frozen=True):

@@ -342,6 +342,8 @@ class Editor:
 
     def _delete(self, name: str, *, undoable: bool = True) -> str:
         root = self._root(name)
+        if owner := self._placed_by(root):
+            raise MorseError(f"'{root.name}' comes with '{owner}': only both together can be deleted")
         if not self._belongs(root):
             return self._delete_guest(root.name, undoable=undoable)
         # a robot goes with everything on it
@@ -375,6 +377,10 @@ class Editor:
         while root.parent is not None and root.name not in self._additions:
             root = root.parent
         return root.name in self._additions or root.name in self._simulation.population.roots_at_launch()
+
+    def _placed_by(self, node: Node) -> str:
+        """The name of the component that places an object when the simulation starts, or nothing."""
+        return next((one.name for one in self._simulation.scene.components if node in one.placed), "")
 
     def _delete_guest(self, name: str, *, undoable: bool) -> str:
         """Delete an object that a client has spawned."""
@@ -419,7 +425,8 @@ class Editor:
             population = self._simulation.population
             self._simulation.journal.note(EDIT, name, "brought back")
             present = population.get_state()
-            population.set_state({**present, "gone": [one for one in present["gone"] if one != name]})
+            back = {name, *population.placed_at_launch(name)}
+            population.set_state({**present, "gone": [one for one in present["gone"] if one not in back]})
         self._deletions.pop(name, None)
         self._deletions |= deletions
         for part, addition in additions.items():
@@ -560,7 +567,7 @@ class Editor:
         node = self._simulation.scene.find(event.node)
         if node is None or (node.parent is not None and event.node not in self._simulation.context.components):
             return
-        if not self._belongs(node):
+        if not self._belongs(node) or self._placed_by(node):
             return
         if self._is_full and event.node not in self._moves and event.node not in self._additions:
             self._server.send(Refused("teleport", _FULL))

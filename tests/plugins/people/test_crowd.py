@@ -364,3 +364,24 @@ def test_a_crowd_comes_to_a_running_simulation(tmp_path):
         simulation.delete("first")
         simulation.step(1)
         assert not any(node.name.startswith("first") for node in simulation.scene.nodes())
+
+
+def test_a_crowd_without_a_plan_walks_to_and_fro_where_it_stands(tmp_path):
+    """Also with a wall at one side of its square, 7.75 m wide for 20 people."""
+    path = tmp_path / "scene.py"
+    wall = "wall = Cube('wall')\nwall.scale = (0.5, 12, 3)\nwall.translate({x}, -3, 1.5)\nwall.static()\n"
+    for x in (30.0, 13.5):
+        path.write_text(
+            "from morse.builder import *\n\npeople = Crowd()\npeople.translate(10, -3)\n"
+            f"{wall.format(x=x)}env = Environment('empty')\n"
+        )
+        with morse.load(path) as sim:
+            begin = sim.people.data["positions"][:, :2]
+            half = math.sqrt(3.0 * 20) / 2
+            assert (np.abs(begin - (10.0, -3.0)) <= half).all()
+            assert sim.people.data["present"].all()
+            sim.step(240)
+            end = sim.people.data["positions"][:, :2]
+            assert (np.abs(end - (10.0, -3.0)) <= half + 1.0).all()
+            assert (np.linalg.norm(end - begin, axis=1) > 0.5).sum() >= 14
+            assert end[:, 0].max() < x

@@ -86,7 +86,6 @@ def test_a_crowd_of_impossible_people_is_refused(tmp_path, arguments, message):
 @pytest.mark.parametrize(
     ("lines", "world", "message"),
     [
-        ("", "", r"nobody knows where to begin: write crowd\.start"),
         (
             BOX + "\ncrowd.goals(['exit_dor'])",
             "Cube('exit_door')",

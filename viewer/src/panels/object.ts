@@ -42,10 +42,20 @@ export class ObjectPanel {
       made.append(h("span", { class: "caption" }, label));
       return made;
     };
+    const owner = node.description.placed_by;
     /** One that changes the scene. */
     const change = (...parts: Parameters<typeof button>): HTMLButtonElement => {
       const made = button(...parts);
       disable(made, !this.drives.value);
+      return made;
+    };
+    /** One that changes the scene, but not what a component places at each start. */
+    const own = (...parts: Parameters<typeof button>): HTMLButtonElement => {
+      const made = change(...parts);
+      if (owner) {
+        made.disabled = true;
+        made.title = `it comes with ${owner}: only both together`;
+      }
       return made;
     };
     return h(
@@ -63,12 +73,24 @@ export class ObjectPanel {
         button(icons.focus, "focus", "Focus", () => this.follow.frameNode(node), "C"),
         button(icons.eye, "follow", "Follow", () => this.follow.start("third", node)),
         change(icons.move, "move", "Move", () => this.onMove(node), "M"),
-        change(icons.boxes, "duplicate", "Duplicate", () => this.onDuplicate(node), "Ctrl+D"),
-        change(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
+        own(icons.boxes, "duplicate", "Duplicate", () => this.onDuplicate(node), "Ctrl+D"),
+        own(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
         button(icons.copy, "copy", "Copy the pose as builder code", () => void this.copy()),
         camera && button(icons.camera, "picture", "Show the picture of the camera", () => this.images.toggle(name), "V"),
       ),
+      this.note(node),
     );
+  }
+
+  /** What a move of the object does not do, in words, before one tries; null if it does all. */
+  private note(node: WorldNode): HTMLElement | null {
+    const owner = node.description.placed_by;
+    const places = this.stage.world?.nodes.some(({ description }) => description.placed_by === node.name) ?? false;
+    if (!owner && !places) return null;
+    const text = owner
+      ? `${owner} puts it in its place at each start: a move lasts until then, and is not saved.`
+      : "What it puts in place follows a move at the next start (F11).";
+    return h("p", { class: "quiet" }, text);
   }
 
   /** The world was described again: the object may be a new one with the same name. */

@@ -267,7 +267,7 @@ def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
     for part in workspace.components:
         if isinstance(part, AbstractComponent):
             part.scene_node.where = part._where
-    components = [declare(part) for part in own]
+    components = [declare(part, workspace) for part in own]
     settings.view.display = Displaying(workspace, components).display(environment._wishes)
     _check_poses(workspace)
     scene = Scene(
@@ -426,7 +426,7 @@ def _properties(environment: EnvironmentDescription) -> Properties:
     return properties
 
 
-def declare(component: AbstractComponent) -> ComponentDeclaration:
+def declare(component: AbstractComponent, workspace: Workspace) -> ComponentDeclaration:
     """The declaration of a component for the simulation.
 
     Raises:
@@ -442,7 +442,12 @@ def declare(component: AbstractComponent) -> ComponentDeclaration:
             message = f"'{component.name}' ({type(component).__name__}) is not attached to a robot"
             raise _error(component, message, f"Attach it to a robot: robot.append({component.plain_name})")
         robot = robot.parent
-    return component._declaration(robot)
+    roots = workspace.roots
+    before = len(roots)
+    declaration = component._declaration(robot)
+    # the script has no names for them yet
+    declaration.placed += roots[before:]
+    return declaration
 
 
 def _check_poses(workspace: Workspace) -> None:

@@ -112,7 +112,7 @@ def describe_newcomer(
             connect_by_default(newcomer)
         parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
         # a declaration may add roots: the boxes of a dispenser move freely
-        declarations = [declare(part) for part in parts]
+        declarations = [declare(part, described) for part in parts]
         complete = Newcomer(list(described.roots), declarations, list(described.models))
         return _checked(complete, present)
 
@@ -367,7 +367,9 @@ def describe_component(
             connect(carrier, interface)
         _name_parts(described, component.scene_node, name)
         parts = [part for part in component._walk() if part.is_morseable()]
-        complete = Newcomer([component.scene_node], [declare(part) for part in parts], list(described.models))
+        complete = Newcomer(
+            [component.scene_node], [declare(part, described) for part in parts], list(described.models)
+        )
         described.detach(component.scene_node)
         return _checked(complete, present)
 

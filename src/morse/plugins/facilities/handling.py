@@ -188,8 +188,9 @@ class Dispenser(Robot):
         super().__init__("", name)
         self.scene_node.properties.update(values)
         own = name or "dispenser"
-        self._walls, places = cabinet(own, count, (sides[0], sides[1], sides[2]), PAINT)
-        for one in self._walls:
+        walls, places = cabinet(own, count, (sides[0], sides[1], sides[2]), PAINT)
+        self._walls = {one.name.rpartition(" ")[2]: one for one in walls}
+        for one in walls:
             attach(self.scene_node, one)
         self._boxes = [panel(f"{own} box", sides, paint) for _ in places]
         for box, place in zip(self._boxes, places, strict=True):
@@ -201,11 +202,14 @@ class Dispenser(Robot):
         # the pose and the name of the dispenser are known only now; what is attached to it would neither move freely
         # nor let anything sleep that lies on it
         scene = workspace.current()
-        for one in (*self._walls, *self._boxes):
+        for one in (*self._walls.values(), *self._boxes):
             if one.parent is not None:
                 above = one.parent.world_matrix()
                 scene.detach(one)
                 one.parent_inverse = above
+        # the same names whether a script or a running simulation creates it
+        for side, wall in self._walls.items():
+            scene.rename(wall, f"{self.name} {side}")
         for number, box in enumerate(self._boxes):
             scene.rename(box, f"{self.name} box {number}")
             box.properties.update(Object=True, Graspable=True, Label=box.name)

@@ -46,6 +46,8 @@ _ARRIVES, _BESIDE = 0.4, 3.0
 _CROWDED = 1.5
 #: m: nobody begins in something of at least that height
 _FLAT = 0.05
+#: m² for each person, m, m: a start area without a script, its least half, and the depth of the goals at its sides
+_OWN_ROOM, _OWN_HALF, _OWN_GOAL = 3.0, 3.0, 1.0
 #: tries for each person to find a free place; places to enter at, one after the other
 _TRIES, _DOORS = 400, 12
 #: s: a contact that lasts longer is a pressure, not an impact (ISO/TS 15066, 5.5.4)
@@ -203,7 +205,7 @@ class Crowd(Robot):
         if self._tracks is not None:
             return []
         if not flows:
-            raise MorseError(f"{self.name()}: nobody knows where to begin: write crowd.start(area)")
+            flows = self._own_flows(with_goals=not plan.get("default"))
         default = plan.get("default") or {"goals": [], "then": "stay", "wait": 0.0}
         free = self._count - sum(flow["count"] or 0 for flow in flows)
         open_flows = [flow for flow in flows if flow["count"] is None]
@@ -213,6 +215,24 @@ class Crowd(Robot):
             if flow["goals"] is None:
                 flow.update(default)
         return phases(flows)
+
+    def _own_flows(self, *, with_goals: bool) -> list[dict[str, Any]]:
+        """Return the flows of a crowd without a start: in a square around its place, half along and half across it."""
+        x, y = (float(one) for one in self.bge_object.world_pose()[0][:2])
+        half = max(_OWN_HALF, 0.5 * math.sqrt(_OWN_ROOM * self._count))
+        inner = half - _OWN_GOAL
+
+        def area(low: float, high: float, left: float, right: float) -> list[list[float]]:
+            return [[x + u, y + v] for u, v in ((low, left), (high, left), (high, right), (low, right))]
+
+        ways: list[tuple[int | None, list[Any]]] = [
+            (self._count // 2, [area(inner, half, -half, half), area(-half, -inner, -half, half)]),
+            (None, [area(-half, half, inner, half), area(-half, half, -half, -inner)]),
+        ]
+        begin = {"area": area(-half, half, -half, half), "over": 0.0, "exact": False, "is_own": True}
+        if not with_goals:
+            return [{**begin, "count": None, "goals": None}]
+        return [{**begin, "count": count, "goals": goals, "then": "repeat", "wait": 0.0} for count, goals in ways]
 
     def _survey(self, radius: float) -> Ground:
         """Return the ground around the starts and goals, with the walls of the scene."""
@@ -317,6 +337,12 @@ class Crowd(Robot):
         self._look_ahead()
 
     def _ways_of(self, flow: dict[str, Any]) -> list[Way]:
+        if flow.get("is_own"):
+            # where there are walls, they go to what remains
+            flow["goals"] = [
+                goal for goal, place in zip(flow["goals"], self._places(flow), strict=True) if self._way_to(place)
+            ]
+            flow["then"] = flow["then"] if flow["goals"] else "stay"
         ways = []
         for goal, place in zip(flow["goals"], self._places(flow), strict=True):
             way = self._way_to(place)
@@ -385,7 +411,7 @@ class Crowd(Robot):
             rows = np.flatnonzero((self.flow == number) & self.walkers.present)
             for way in flow["ways"]:
                 lost[rows] |= np.isinf(self.ground.time(way, self.walkers.position[rows]))
-            if len(rows) and lost[rows].all():
+            if len(rows) and lost[rows].all() and not flow.get("is_own"):
                 raise MorseError(
                     f"{self.name()}: nobody can reach {flow['goals']!r:.120} from {flow['area']!r:.120}: walls are "
                     f"between, with no passage of {2 * self.ground.radius:.2g} m"
