@@ -525,11 +525,17 @@ def test_nothing_is_drawn_before_the_world_is_there(running, profile) -> None:
         page.close()
 
 
-def test_edges_are_smooth_where_that_is_asked_for(running, shown, open_page) -> None:
+def test_edges_are_smooth_and_surfaces_have_gloss_where_that_is_asked_for(running, shown, open_page) -> None:
     (_, url), (_, low) = running, shown
     high = open_page(f"{url}?quality=high")
     smooth = "morse.stage.renderer.getContext().getContextAttributes().antialias"
     assert (low.evaluate(smooth), high.evaluate(smooth)) == (False, True)
+    gloss = """() => {
+        const found = [];
+        morse.stage.world.root.traverse(({ material }) => found.push(...[material].flat().filter(Boolean)));
+        return found.some(({ roughness }) => roughness !== undefined);
+    }"""
+    assert (low.evaluate(gloss), high.evaluate(gloss)) == (False, True)
 
 
 def test_a_processor_in_place_of_a_graphics_card_draws_plain_edges(running, profile) -> None:

@@ -151,8 +151,7 @@ export class App {
     const answer = await fetchFile(url);
     if (!answer.ok) throw new Error(`The world cannot be fetched: ${answer.status} ${answer.statusText}`);
     const description = (await answer.json()) as SceneDescription;
-    const anisotropy = this.stage.renderer.capabilities.getMaxAnisotropy();
-    const world = await World.load(description, Math.min(8, anisotropy), this.stage.invalidate);
+    const world = await World.load(description, this.stage.surfaces, this.stage.invalidate);
     for (const message of this.appearances.values()) world.change(message);
     const earlier = this.stage.world?.description.key === description.key ? this.stage.world : null;
     if (earlier) world.continue(earlier);

@@ -85,7 +85,7 @@ export class Ghost {
       return { ...node, mesh: moving ? node.mesh : -1, light: null, camera: null };
     });
     const materials = described.materials.map((material) => ({ ...material, image: "" }));
-    const world = await World.load({ ...described, nodes, materials }, 1, this.stage.invalidate, async (path) => new Response(tape.files.get(path) ?? null, { status: tape.files.has(path) ? 200 : 404 }));
+    const world = await World.load({ ...described, nodes, materials }, { ...this.stage.surfaces, anisotropy: 1 }, this.stage.invalidate, async (path) => new Response(tape.files.get(path) ?? null, { status: tape.files.has(path) ? 200 : 404 }));
     world.root.traverse((object) => {
       if (!(object instanceof Mesh)) return;
       object.material = this.skin;

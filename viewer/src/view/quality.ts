@@ -97,6 +97,8 @@ export interface Means {
   software: boolean;
   /** antialiasing: doubles the time in software */
   smooth: boolean;
+  /** surfaces without gloss, and textures that blur at flat angles */
+  matt: boolean;
 }
 
 const KEY = "morse.drawnBy";
@@ -106,7 +108,7 @@ const SOFTWARE = "software";
 export function meansOfDrawing(): Means {
   const asked = new URLSearchParams(location.search).get("quality");
   const software = (localStorage.getItem(KEY) ?? probe()) === SOFTWARE;
-  return { asked, software, smooth: asked === "high" || (asked !== "low" && !software) };
+  return { asked, software, smooth: asked === "high" || (asked !== "low" && !software), matt: software && asked !== "high" };
 }
 
 /** Store the renderer, so that the next page need not determine it. */

@@ -4,7 +4,7 @@ import { lookOf } from "../world/batches";
 import { Ground } from "../world/ground";
 import { Lights } from "../world/lights";
 import { Sky } from "../world/sky";
-import type { World } from "../world/world";
+import type { Surfaces, World } from "../world/world";
 import { ViewCamera } from "./camera";
 import { meansOfDrawing, Quality, rememberMeans } from "./quality";
 
@@ -20,6 +20,7 @@ export class Stage {
   readonly lights: Lights;
   readonly sky: Sky;
   readonly quality: Quality;
+  readonly surfaces: Surfaces;
   /** point at which the camera looks, approximately */
   readonly target = new Vector3();
   world: World | null = null;
@@ -36,6 +37,7 @@ export class Stage {
     const means = meansOfDrawing();
     this.renderer = new WebGLRenderer({ antialias: means.smooth, powerPreference: "high-performance" });
     rememberMeans(this.renderer.getContext());
+    this.surfaces = { anisotropy: means.matt ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()), matt: means.matt };
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 0.9;
     this.renderer.shadowMap.enabled = true;

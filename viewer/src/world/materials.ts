@@ -1,5 +1,5 @@
 import type { Material } from "three";
-import { DoubleSide, FrontSide, ImageLoader, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture } from "three";
+import { DoubleSide, FrontSide, ImageLoader, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture } from "three";
 import { addressOf } from "../connection/tape";
 import type { MaterialDescription } from "../generated/protocol";
 
@@ -17,6 +17,8 @@ export class MaterialStore {
     private readonly described: MaterialDescription[],
     private readonly wireframe: boolean,
     private readonly anisotropy: number,
+    /** whether surfaces are drawn without gloss: on a processor, gloss takes up to half of the time */
+    private readonly matt: boolean,
     private readonly onLoad: () => void,
   ) {}
 
@@ -50,7 +52,9 @@ export class MaterialStore {
       material.color.setRGB(r, g, b);
       return material;
     }
-    const material = new MeshStandardMaterial({ ...common, metalness: description.metallic, roughness: description.roughness });
+    const material = this.matt
+      ? new MeshLambertMaterial(common)
+      : new MeshStandardMaterial({ ...common, metalness: description.metallic, roughness: description.roughness });
     material.color.setRGB(r, g, b);
     material.emissive.setRGB(...description.emission);
     return material;

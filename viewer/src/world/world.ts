@@ -9,6 +9,13 @@ import { GeometryStore } from "./geometry";
 import { MaterialStore } from "./materials";
 import { WorldNode } from "./node";
 
+/** How the surfaces of a world are drawn. */
+export interface Surfaces {
+  anisotropy: number;
+  /** without gloss */
+  matt: boolean;
+}
+
 /** Minimum number of nodes with the same appearance that are drawn as a batch. */
 const BATCH_FROM = 4;
 
@@ -58,9 +65,9 @@ export class World {
   private readonly flexes = new Map<WorldNode, Flex>();
 
   /** @param from gives the files of the world; by default, those of the simulator or of the run in this page */
-  static async load(description: SceneDescription, anisotropy: number, onChange: () => void, from?: (url: string) => Promise<Response>): Promise<World> {
+  static async load(description: SceneDescription, { anisotropy, matt }: Surfaces, onChange: () => void, from?: (url: string) => Promise<Response>): Promise<World> {
     const meshes = await (from ? new GeometryStore(from) : geometries).load(description.meshes);
-    const materials = new MaterialStore(description.materials, description.view.wireframe, anisotropy, onChange);
+    const materials = new MaterialStore(description.materials, description.view.wireframe, anisotropy, matt, onChange);
     return new World(description, meshes, materials);
   }
 
