@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from common.images import packed
 from common.materials import material
-from common.nature import Greens, broadleaf
-from common.objects import empty, exact, hidden_box, twin
+from common.nature import Greens, broadleaf, hedge
+from common.objects import empty, exact, hidden_box, solid, twin
 from common.parts import rotation
 from common.terrain import Terrain
 from common.textures import speckle
@@ -19,10 +21,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from common.objects import Triple
+    from common.parts import Part
 
 GROUND_AT = (0.02, -0.551, 0.0)
 TOWN_TURN = -1.11
 CELL = 6.0  # metres
+#: m: thickness and height of the hedge around the ground, how deep it is in it, and its distance from the edge
+HEDGE, ROOT, INSET = (1.1, 2.1), 0.6, 0.8
 
 
 def town_ground(at: Triple, level: float, keep: Sequence[Triple]) -> list[Triple]:
@@ -55,7 +60,34 @@ def ground(
     heights[np.argmax(away)] = dip  # one hollow, far from everything
     size, middle = (121.0, 148.0, rise - dip), (0.022, 0.027, (rise + dip) / 2)
     exact("Ground", [land], size, middle, GROUND_AT, physics_type="STATIC", collision="mesh")
+    border(land)
     return terrain
+
+
+def border(land: Part) -> None:
+    """A hedge along the edge of the ground, which follows its height: no robot falls off."""
+    places = land.vertices + np.array([*GROUND_AT[:2], 0.0])
+    low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
+    rim = places[((np.abs(places[:, :2] - low) < 1e-6) | (np.abs(places[:, :2] - high) < 1e-6)).any(axis=1)]
+    middle = (low + high) / 2
+    # the corners first: the angle from the middle orders what is left and right of them
+    rim = rim[np.argsort(np.arctan2(rim[:, 1] - middle[1], rim[:, 0] - middle[0]))]
+    rim[:, :2] = np.clip(rim[:, :2], low + INSET, high - INSET)
+    longest = max(float(np.linalg.norm(b - a)) for a, b in pairwise([*rim, rim[0]]))
+    first = None
+    for number, (a, b) in enumerate(pairwise([*rim, rim[0]])):
+        x, y, z = (b - a).tolist()
+        turned = (0.0, -math.atan2(z, math.hypot(x, y)), math.atan2(y, x))
+        at = (*((a + b) / 2)[:2].tolist(), float(a[2] + b[2]) / 2 + HEDGE[1] / 2 - ROOT)
+        options = {"physics_type": "STATIC", "collision": "box", "slip": True}
+        if first is None:
+            leaves = [
+                material(f"Hedge {shade}", color, 0.9) for shade, color in (("Dark", "#3b7036"), ("Light", "#4f8a40"))
+            ]
+            parts = hedge(leaves, longest + 0.3, *HEDGE, 31)
+            first = solid("Hedge", parts, at, turned, **options)
+        else:
+            twin(first, f"Hedge.{number:03}", at, turned, **options)
 
 
 def town(terrain: Terrain, at: Triple, size: Triple, centre: Triple, keep_free: Sequence[Triple]) -> None:

@@ -12,6 +12,8 @@ from common.parts import Part
 from common.shapes import ellipsoid, tube
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import bpy
 
 
@@ -71,6 +73,33 @@ def crown_of(greens: Greens, height: float, width: float, seed: int) -> list[Par
         blob(size * 0.8, seed + 20).moved(width * 0.05, -width * 0.04, height * 0.87).painted(greens.leaves[2])
     )
     return parts
+
+
+def hedge(leaves: Sequence[bpy.types.Material], length: float, width: float, height: float, seed: int) -> list[Part]:
+    """A clipped hedge along X, its middle at the origin."""
+    steps = max(round(length / 0.55), 2)
+    outline = ((-0.5, -0.5), (-0.5, 0.05), (-0.36, 0.5), (0.36, 0.5), (0.5, 0.05), (0.5, -0.5))
+    random = np.random.default_rng(seed)
+    vertices = np.array(
+        [(u * length, y * width, z * height) for u in np.linspace(-0.5, 0.5, steps + 1) for y, z in outline]
+    )
+    inner = np.repeat(np.arange(steps + 1) % steps > 0, len(outline))[:, None]
+    vertices += random.uniform(-0.07, 0.07, vertices.shape) * inner * (1.0, 1.0, 1.4)
+    sides = len(outline)
+    faces = [
+        (i * sides + j, i * sides + j + 1, (i + 1) * sides + j + 1, (i + 1) * sides + j)
+        for i in range(steps)
+        for j in range(sides - 1)
+    ]
+    shades = random.integers(0, len(leaves), len(faces))
+    parts = [
+        Part(vertices, [face for face, own in zip(faces, shades, strict=True) if own == shade], smooth=False).painted(
+            paint
+        )
+        for shade, paint in enumerate(leaves)
+    ]
+    ends = [tuple(range(sides)), tuple(steps * sides + k for k in reversed(range(sides)))]
+    return [*parts, Part(vertices, ends, smooth=False).painted(leaves[0])]
 
 
 def blades(greens: Greens, radius: float, height: float, count: int, seed: int, width: float = 0.06) -> list[Part]:

@@ -1,4 +1,4 @@
-import { Vector3 } from "three";
+import { Raycaster, Vector3 } from "three";
 import type { Box3 } from "three";
 import type { Components } from "../model/components";
 import type { Signal } from "../ui/signal";
@@ -14,6 +14,9 @@ const FLYING = 2;
 const LARGE = 5;
 /** Floors begin at one height, m; what begins higher stands on them: houses, trees. */
 const SAME = 1;
+/** Height over the robot's origin at which walls are looked for, and how far beyond the end of the ground, m. */
+const BUMPER = 0.35;
+const BEYOND = 0.5;
 /** Milliseconds between two looks at the robots. */
 const PAUSE = 500;
 
@@ -47,15 +50,16 @@ export class WorldEnd {
   }
 
   private tell(name: string, { x, y, z }: Vector3, { min, max }: Box3): string | null {
-    const sides: [number, string][] = [
-      [x - min.x, `x = ${format(min.x)} m`],
-      [max.x - x, `x = ${format(max.x)} m`],
-      [y - min.y, `y = ${format(min.y)} m`],
-      [max.y - y, `y = ${format(max.y)} m`],
+    const sides: [number, string, Vector3][] = [
+      [x - min.x, `x = ${format(min.x)} m`, new Vector3(-1, 0, 0)],
+      [max.x - x, `x = ${format(max.x)} m`, new Vector3(1, 0, 0)],
+      [y - min.y, `y = ${format(min.y)} m`, new Vector3(0, -1, 0)],
+      [max.y - y, `y = ${format(max.y)} m`, new Vector3(0, 1, 0)],
     ];
-    const [distance, where] = sides.reduce((a, b) => (b[0] < a[0] ? b : a));
+    const [distance, where, outwards] = sides.reduce((a, b) => (b[0] < a[0] ? b : a));
     if (distance < 0 && z < min.z) return `${name} has fallen off: the ground of this world ends at ${where}. Undo its move, or start again (F11).`;
     if (distance >= NEAR || z > max.z + FLYING) return null;
+    if (distance >= 0 && this.world.value?.isWalled(new Raycaster(new Vector3(x, y, z + BUMPER), outwards, 0, distance + BEYOND))) return null;
     return distance < 0 ? `${name} is beyond the ground, which ends at ${where}.` : `The ground ends at ${where}: beyond it, ${name} falls.`;
   }
 }

@@ -1,5 +1,5 @@
-import type { BufferGeometry, Material } from "three";
-import { Box3, Group, Mesh, Sphere, Vector3 } from "three";
+import type { BufferGeometry, Material, Raycaster } from "three";
+import { Box3, Group, Matrix3, Mesh, Sphere, Vector3 } from "three";
 import type { PoseFrame } from "../connection/frames";
 import { fetchFile } from "../connection/tape";
 import type { Appearance, SceneDescription } from "../generated/protocol";
@@ -18,6 +18,9 @@ export interface Surfaces {
 
 /** Minimum number of nodes with the same appearance that are drawn as a batch. */
 const BATCH_FROM = 4;
+
+/** Walls have normals whose vertical part is smaller. */
+const STEEP = 0.5;
 
 const geometries = new GeometryStore(fetchFile);
 
@@ -165,6 +168,19 @@ export class World {
     const box = this.boxOf(node.walk());
     if (box.isEmpty()) return new Sphere(node.frame.getWorldPosition(new Vector3()), 0.5);
     return box.getBoundingSphere(new Sphere());
+  }
+
+  /** Whether something steep that does not move is hit by a ray: a wall, a fence, a hedge. */
+  isWalled(ray: Raycaster): boolean {
+    const span = new Box3().setFromPoints([ray.ray.origin, ray.ray.at(ray.far, new Vector3())]);
+    return this.nodes.some((node) => {
+      const geometry = this.meshes[node.description.mesh];
+      if (!geometry || node.moves || node.description.shapes.length === 0 || !this.boxOf([node]).intersectsBox(span)) return false;
+      const mesh = new Mesh(geometry);
+      mesh.matrixWorld.multiplyMatrices(node.frame.matrixWorld, node.stretch);
+      const turn = new Matrix3().getNormalMatrix(mesh.matrixWorld);
+      return ray.intersectObject(mesh).some(({ face }) => face && Math.abs(face.normal.clone().applyNormalMatrix(turn).z) < STEEP);
+    });
   }
 
   dispose(): void {

@@ -10,7 +10,7 @@ from common.catalogue import catalogue_stock, furniture
 from common.colors import SKY
 from common.images import packed
 from common.materials import material
-from common.objects import empty, exact, hidden_box, lamp, twin, viewpoint
+from common.objects import empty, exact, hidden_box, lamp, solid, twin, viewpoint
 from common.parts import bounds, in_frame_of
 from common.rooms import wall
 from common.shapes import box, rectangle, rounded_box
@@ -33,6 +33,8 @@ SHELVES = (
 WEST, EAST, SOUTH, NORTH, HEIGHT = -6.4, 11.3, -11.0, 4.0, 3.01
 TERRACE = (-9.7, -17.8)  # the far corner
 TURN = (0, 0, -1.57)
+#: m, edges of the terrace around the hall, and of the hole for the floor
+OUTSIDE, INSIDE = (-10.0, 13.0, -18.1, 6.2), (-6.387, 11.313, -10.99, 4.01)
 
 
 def build() -> None:
@@ -41,6 +43,7 @@ def build() -> None:
     for number, (x, y) in enumerate(((-2, -12), (6, -12), (-2, -2), (6, -2)), start=1):
         lamp(f"Lamp{number}", "POINT", 220.0, (x, y, 2.8), color="#fff0d6", shadow=False)
     room()
+    terrace()
     stock = catalogue_stock()
     for name, at, turned in SHELVES:
         furniture(stock, name, at, turned, (1, 0.4, 1.87), (0.163, -0.049, 0.286), "box")
@@ -81,6 +84,30 @@ def room() -> None:
     screen = in_frame_of(screen, shown)
     at, centre = (4.96, 0.556, 1.23), (0, 0, 0.062)
     exact("TV_screen", screen, (1.4, 0.7, 0.098), centre, at, shown, physics_type="NO_COLLISION")
+
+
+def terrace() -> None:
+    """Slabs around the hall, as high as its floor, with a parapet: a robot that leaves the hall does not fall."""
+    paving = speckle(256, "#a8a196", "#b9b2a6", 93) * (1 - 0.14 * lines(256, 4, 0.02)[..., None])
+    slab = material("Paving", "#b0a99d", 0.95, image=packed("paving.jpg", paving))
+    coping = material("Parapet", "#d9d2c4", 0.9)
+    (x0, x1, y0, y1), (u0, u1, v0, v1) = OUTSIDE, INSIDE
+    still = {"physics_type": "STATIC", "collision": "box"}
+    for name, west, east, south, north in (
+        ("South", x0, x1, y0, v0),
+        ("North", x0, x1, v1, y1),
+        ("West", x0, u0, v0, v1),
+        ("East", u1, x1, v0, v1),
+    ):
+        parts = [box(east - west, north - south, 0.2).mapped(2.0).painted(slab)]
+        solid(f"Terrace{name}", parts, ((west + east) / 2, (south + north) / 2, -0.105), **still)
+    for name, long, at, turn in (
+        ("South", x1 - x0, ((x0 + x1) / 2, y0 + 0.1, 0.45), 0.0),
+        ("North", x1 - x0, ((x0 + x1) / 2, y1 - 0.1, 0.45), 0.0),
+        ("West", y1 - y0, (x0 + 0.1, (y0 + y1) / 2, 0.45), 1.57),
+        ("East", y1 - y0, (x1 - 0.1, (y0 + y1) / 2, 0.45), 1.57),
+    ):
+        solid(f"Parapet{name}", [box(long, 0.2, 1.0, 0.02).painted(coping)], at, (0, 0, turn), **still)
 
 
 def outer_walls() -> list[Part]:

@@ -13,7 +13,7 @@ from common.household import radiator
 from common.images import packed
 from common.materials import material
 from common.measured import Furnisher, rows
-from common.objects import lamp, viewpoint
+from common.objects import lamp, solid, viewpoint
 from common.posters import hello
 from common.rooms import panes, trim, wall
 from common.shapes import box, cylinder, rectangle, rounded_box, tube
@@ -37,6 +37,8 @@ TABLE = Path(__file__).with_suffix(".tsv")
 WEST, EAST, SOUTH, NORTH, HEIGHT = 0.0, 6.95, -3.06, 8.74, 2.72
 #: windows above the radiators: from, to, lower and upper edge
 WINDOWS = tuple((x, x + 1.35, 0.95, 2.3) for x in (0.2, 1.95, 3.7, 5.4))
+#: m, ends of the passage behind the double door
+PASSAGE = (-3.29, 9.01)
 DOUBLE_DOOR = (1.385, 3.555, 0.0, 2.64)
 
 
@@ -48,6 +50,7 @@ def build() -> None:
     furniture = list(rows(TABLE))
     desks = [row for row in furniture if row.name.startswith("Desk")]
     Furnisher(Kitchen().look, BOXES).furnish([*furniture, *map(rest_of, desks)])
+    passage()
     viewpoint((7.6, -4.6, 6.4), (2.6, 2.6, 0.2), 20.0)
 
 
@@ -57,6 +60,15 @@ def rest_of(desk: Row) -> Row:
     x, y, z = desk.size
     name = desk.name.replace("Desk", "Desk_Rest")
     return replace(desk, name=name, size=(2 * x, 2 * y, z), centre=(0.0, 0.0, z / 2), options=dict(desk.options))
+
+
+def passage() -> None:
+    """A parapet along the open side of the passage, at the edge of the floor: no robot falls off."""
+    low, high = PASSAGE
+    parts = [box(0.14, high - low, 1.0, 0.015).painted(material("Parapet", "#e7e0d2", 0.9))]
+    parts += [box(0.2, high - low, 0.04, 0.01).moved(0, 0, 0.52).painted(material("Coping", "#b98a5b", 0.6))]
+    at = (8.135, (low + high) / 2, 0.5)
+    solid("Parapet", parts, at, physics_type="STATIC", collision="box")
 
 
 class Kitchen:
