@@ -356,6 +356,12 @@ class NativeRays:
             ctypes.addressof(self._meshes),
         )
 
+    def reshape(self, solid: int, mesh: TriangleMesh, centre: NDArray[np.float64], half: NDArray[np.float64]) -> None:
+        """Give a solid other triangles, in the box (3,) and (3,), m; call `place` before rays are cast."""
+        tree = self._mesh_trees[solid] = _MeshTree(self._library, mesh)
+        self._meshes[solid] = ctypes.addressof(tree.structure)
+        self._keep.centres[solid], self._keep.halves[solid] = centre, half
+
     def gather(self, members: NDArray[np.integer], moving: bool) -> None:
         """Set the fixed or the moving solids; call `place` before rays are cast."""
         self._gatherings[moving] = _Gathering(members)

@@ -314,6 +314,8 @@ class Bodies:
             return self._hinge_velocity(index, slot)
         if slot.frame.motion is Motion.JOINT:
             return self._link_velocity(index, slot)
+        if state.flexes is not None and index in state.flexes:
+            return state.flexes.velocity(state, index), _AT_REST[1]
         return state.kinematic.get(index) or state.placed.get(index, _AT_REST)
 
     def _hinge_velocity(self, index: int, slot: Slot) -> tuple[Sequence[float], Sequence[float]]:

@@ -329,3 +329,66 @@ def test_damaged_files_of_tetrahedra_never_end_the_process(tmp_path: Path) -> No
             (tmp_path / "f.msh").write_text(" ".join(damaged))
             with suppress(AssetError):
                 read_mjcf(path)
+
+
+def test_rays_hit_them_where_the_engine_says(scene: Callable[..., Any]) -> None:
+    """`mujoco.mj_rayFlex` is the measure: the triangles of cloths and volumes, the capsules of ropes."""
+    ways = np.random.default_rng(3).normal(size=(300, 3))
+    with morse.load(scene()) as sim:
+        sim.step(15)
+        world, model, data = sim.world, sim.world.model, sim.world.data
+        numbers = {
+            mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_FLEX, n).rpartition("/")[2]: n for n in range(model.nflex)
+        }
+        for name, place in (("cloth", (0.1, 0.2, 0.4)), ("jelly", (1.45, -0.35, 0.4)), ("rope", (0.2, 0.9, 0.9))):
+            bundle = world.rays.bundle(world.game_object("Ground"), ways, 5.0, np.tile(place, (len(ways), 1)))
+            bundle.refresh()
+            ground = np.array(world.game_object("Ground").world_pose()[0])
+            seen = [n for n in range(len(ways)) if bundle.hit[n] >= 0 and bundle.object_of(n).name == name]
+            assert len(seen) > 8, (name, len(seen))
+            for n in seen:
+                expected = mujoco.mj_rayFlex(
+                    *(model, data, 0, False, name == "rope", name != "rope", name == "jelly", numbers[name]),
+                    *(ground + place, bundle.directions[n]),
+                )
+                assert bundle.normals[n] @ bundle.directions[n] < 0.0
+                # the engine adds the radius to volumes, and its ropes are round
+                if name == "cloth" or expected >= 0.0:
+                    exact = 1e-6 if name == "cloth" else 0.02
+                    assert bundle.distances[n] == pytest.approx(expected, abs=exact), name
+
+
+def test_the_velocity_of_what_rays_hit_is_that_of_the_vertices(scene: Callable[..., Any]) -> None:
+    """A cloth that falls freely for 0.2 s has 1.96 m/s, and the block whose vertices follow nodes too."""
+    with morse.load(scene(CLOTH.replace('pos="0 0 1"', 'pos="0 0 3"') + TRILINEAR)) as sim:
+        sim.step(12)
+        world = sim.world
+        for name, x, z in (("cloth", 0.0, 5.0), ("block", -1.5, 3.0)):
+            bundle = world.rays.bundle(world.game_object("Ground"), [(0.0, 0.0, -1.0)], 9.0, [(x + 0.02, 0.01, z)])
+            bundle.refresh()
+            assert bundle.object_of(0).name == name
+            assert bundle.velocities[0] == pytest.approx((0.0, 0.0, -9.81 * 0.2), abs=0.01)
+
+
+def test_a_scanner_measures_the_distance_of_a_hanging_cloth(tmp_path: Path) -> None:
+    curtain = """<body name="rod" euler="0 90 0" pos="2 0 1"><flexcomp name="cloth" type="grid" count="5 9 1"
+      spacing=".1 .1 .1" radius=".01" mass="1" dim="2"><edge equality="true"/>
+      <pin grid="0 0 0 8 2 8 4 8"/></flexcomp></body>"""
+    path = written(tmp_path, curtain)
+
+    def script() -> None:
+        from morse.builder import ATRV, Environment, Infrared, PassiveObject
+
+        PassiveObject(str(path))
+        robot = ATRV("robot")
+        robot.set_physics_type("STATIC")
+        infrared = Infrared("infrared")
+        infrared.translate(z=1.0)
+        infrared.properties(laser_range=5.0)
+        robot.append(infrared)
+        Environment("empty", fastmode=True)
+
+    with morse.load(script) as sim:
+        place = sim["robot"].infrared
+        sim.step(2)
+        assert min(place.get()["range_list"]) == pytest.approx(2.0, abs=0.02)

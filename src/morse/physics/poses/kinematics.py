@@ -140,6 +140,8 @@ class Rows:
 
 
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
+#: time of the difference between positions that gives the velocities of vertices, s
+_MOMENT = 1e-5
 
 
 class Flexes:
@@ -157,6 +159,32 @@ class Flexes:
         self._rows = np.concatenate([np.arange(a, a + n) for a, n in zip(firsts, counts, strict=True)])
         self._begins = np.cumsum([0, *counts[:-1]])
         self._counts = np.array(counts, dtype=np.float64)[:, None]
+        self._moment = -1
+        self._velocities: dict[int, Sequence[float]] = {}
+        self._later: mujoco.MjData | None = None
+
+    def __contains__(self, slot: int) -> bool:
+        return slot in self._slots or slot in self._vertices
+
+    def velocity(self, state: EngineState, slot: int) -> Sequence[float]:
+        """Return the velocity of a vertex, or the mean of those of a body, m/s, in the axes of the world.
+
+        It is the difference to the positions a moment later, because vertices may follow several bodies of the engine.
+        """
+        if self._moment != state.stamp:
+            model, now = state.model, state.data
+            later = self._later = self._later or mujoco.MjData(model)
+            for name in ("qpos", "mocap_pos", "mocap_quat", "eq_active"):
+                getattr(later, name)[:] = getattr(now, name)
+            mujoco.mj_integratePos(model, later.qpos, now.qvel, _MOMENT)
+            mujoco.mj_kinematics(model, later)
+            mujoco.mj_flex(model, later)
+            rows = (later.flexvert_xpos.take(self._rows, 0) - now.flexvert_xpos.take(self._rows, 0)) / _MOMENT
+            means = np.add.reduceat(rows, self._begins, axis=0) / self._counts
+            self._velocities = dict(zip(self._vertices.tolist(), rows.tolist(), strict=True))
+            self._velocities.update(zip(self._slots.tolist(), means.tolist(), strict=True))
+            self._moment = state.stamp
+        return self._velocities[slot]
 
     def read(self, state: EngineState) -> None:
         """Take over the positions of the vertices, after the kinematics of the engine."""

@@ -14,7 +14,7 @@ from morse.mathutils import Vector
 from morse.mathutils.portable import matmul
 from morse.physics.objects.object_world import ObjectWorld
 from morse.physics.rays.bundle import RayBundle, Scan, farther
-from morse.physics.rays.solids import Solids, body_of, owner
+from morse.physics.rays.solids import SoftTriangles, Solids, body_of, owner
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,6 +78,9 @@ class Caster:
         """
         if not isinstance(self._rays, NativeRays) or self._loose != self._world.loose or self._world.rearranged:
             return None
+        if self._solids.soft:
+            # their triangles are those of one world
+            return None
         return self._rays.lane(fan, Poses(positions, rotations, self.anchor), self._solids.owners, hits)
 
     def cast_one(
@@ -110,6 +113,9 @@ class Caster:
             self._stamp = -1
         if self._stamp != world.stamp:
             self._stamp, poses = world.stamp, self._poses_now()
+            for number in solids.soft:
+                mesh = solids.bend(number)
+                self._rays.reshape(number, mesh, *mesh.box)
             self._rays.place(poses, moving=True)
             return poses
         return self._poses_now()
@@ -389,6 +395,13 @@ class Rays:
         for solid in np.unique(hit[hit >= 0]).tolist():
             obj = self.object_at(self._solids.nodes[solid])
             if obj is None:
+                continue
+            mesh = self._solids.meshes[solid]
+            if isinstance(mesh, SoftTriangles):
+                speeds = {slot: self._world.bodies.velocity(slot)[0] for slot in np.unique(mesh.followed).tolist()}
+                for ray in np.flatnonzero(hit == solid).tolist():
+                    own = [speeds[slot] for slot in mesh.corners_of(int(bundle.sight.faces[ray]))]
+                    result[ray] = _turned(np.mean(own, axis=0), turn.T)
                 continue
             linear, angular = obj.velocity()
             if not (any(linear) or any(angular)):

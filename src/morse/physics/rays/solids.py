@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -102,6 +103,46 @@ class Triangles(TriangleMesh):
         return (low + high) / 2, (high - low) / 2
 
 
+#: farther coordinates, m, are those of a body that has diverged
+_FARTHEST = 1e6
+
+
+class SoftTriangles(Triangles):
+    """The triangles of a deformable body, with the axes of the world; their origin is the mean of its vertices.
+
+    Attributes:
+        followed: (V,) the slot that each vertex follows.
+    """
+
+    def __init__(self, world: ObjectWorld, node: Node) -> None:
+        mesh, follows = node.mesh, node.flex
+        assert mesh is not None
+        assert follows is not None
+        starts = np.array([list(child.location) for child in node.children], dtype=np.float64)
+        slots = np.array([world.object_of(child).slot for child in node.children], dtype=np.intp)
+        remissions = _remissions(node)
+        index = np.clip(mesh.material_index, 0, len(remissions) - 1)
+        super().__init__(np.asarray(mesh.vertices, np.float64), mesh.triangles, np.array(remissions)[index])
+        self._origin = world.object_of(node).slot
+        self._offsets = self.vertices - starts[follows]
+        self.followed = slots[follows]
+
+    def bent(self, positions: NDArray[np.float64]) -> SoftTriangles:
+        """Return the triangles at the present positions (K, 3) of the slots, m; they have the same numbers."""
+        other = copy.copy(self)
+        points = positions[self.followed] + self._offsets - positions[self._origin]
+        other.vertices = np.where(np.abs(points) < _FARTHEST, points, 0.0)
+        corners = other.vertices[self.faces]
+        crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        other.normals = crosses / np.maximum(np.linalg.norm(crosses, axis=1), 1e-300)[:, None]
+        return other
+
+    def corners_of(self, face: int) -> list[int]:
+        """Return the slots (3) that the corners of a triangle follow."""
+        slots: list[int] = self.followed[self.faces[face]].tolist()
+        return slots
+
+
 _WITHOUT_MATERIAL = Material("default")
 #: kinds of solids; arrays contain the index
 KINDS = {
@@ -118,7 +159,7 @@ class Solids:
     """The collision shapes of a world as arrays, one row per solid.
 
     A solid is a shape of a node, with its own frame. A mesh that was divided into convex parts for contacts is one
-    solid, which consists of the original triangles in the frame of the node.
+    solid, which consists of the original triangles in the frame of the node. So is a deformable body, without shapes.
 
     Attributes:
         slots: (S,) rigid group of each solid.
@@ -159,6 +200,8 @@ class Solids:
             elif mesh is not None:
                 self.centres[index], self.halves[index] = mesh.box
         self.places, self.turns = np.zeros((count, 3)), np.zeros((count, 3, 3))
+        #: numbers of the deformable bodies
+        self.soft = [number for number, mesh in enumerate(self.meshes) if isinstance(mesh, SoftTriangles)]
         self.settle(range(count))
 
     def __len__(self) -> int:
@@ -167,6 +210,14 @@ class Solids:
     def owner_of(self, slot: int) -> int:
         """Return the group of a slot, see ``owners``."""
         return owner(self._world, slot)
+
+    def bend(self, number: int) -> SoftTriangles:
+        """Move the triangles of a deformable body to the present positions of its vertices."""
+        mesh = self.meshes[number]
+        assert isinstance(mesh, SoftTriangles)
+        mesh = self.meshes[number] = mesh.bent(self._world.slot_poses()[0])
+        self.centres[number], self.halves[number] = mesh.box
+        return mesh
 
     def settle(self, members: range | list[int]) -> None:
         """Update the poses of some solids in their groups."""
@@ -185,7 +236,7 @@ class Solids:
 
 
 def _rows(world: ObjectWorld) -> Iterator[tuple[Node, CollisionShape | None, Triangles | None]]:
-    """Iterate over the solids: a node with a primitive shape or with triangles."""
+    """Iterate over the solids: a node with a primitive shape or with triangles; deformable bodies are the last ones."""
     cache: dict[tuple[object, ...], Triangles] = {}
     nodes = [node for slot in world.slots for node in slot.frame.solid if node.body.type is not PhysicsType.SENSOR]
     whole = [node for node in nodes if not _is_cut_up(node)]
@@ -204,6 +255,9 @@ def _rows(world: ObjectWorld) -> Iterator[tuple[Node, CollisionShape | None, Tri
                 vertices, faces = hulls[shape]
                 cache[id(shape), remission] = Triangles(vertices, faces, np.full(len(faces), remission))
             yield node, None, cache[id(shape), remission]
+    for slot in world.slots:
+        if slot.frame.node.flex is not None:
+            yield slot.frame.node, None, SoftTriangles(world, slot.frame.node)
 
 
 #: collision shapes that approximate the mesh
