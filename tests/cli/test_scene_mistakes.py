@@ -184,8 +184,8 @@ def test_check_and_strict_find_a_mistake(project: Terminal, text: str, kind: str
         }[kind]
     )
     assert "Nothing needs a change" not in checked.out
-    # the two agree, and say the same of the same line
-    assert (checked.status, strict.status) == ({"old": 0}.get(kind, 1), 1)
+    # the two agree, and say the same of the same line: a warning is no error, as for compilers
+    assert (checked.status, strict.status) == (kind == "error", 1)
     assert re.search(rf"scene\.py:{number}\b.*{re.escape(words)}", strict.out.replace("\n  ", " ")), strict.out
     assert plain.status == (kind == "error")
     if kind != "error":
@@ -211,6 +211,26 @@ def test_a_scene_without_mistakes(project: Terminal) -> None:
     strict = project("run", "--headless", "--strict", "--duration", "0.02", "scene.py")
     assert strict.status == 0
     assert "] 0 warnings\n" in strict.out
+
+
+@pytest.mark.parametrize(
+    ("line", "statuses"), [("", (0, 0)), ("robot.rotate(z=90)", (0, 1)), ("robot.rotat()", (1, 1))]
+)
+def test_strict_makes_warnings_errors(project: Terminal, line: str, statuses: tuple[int, int]) -> None:
+    text = HEAD.replace("motion = MotionVW()\nrobot.append(motion)\n", "") + f"{line}\n" + ENV
+    (project.directory / "scene.py").write_text(text)
+    assert (project("check", "scene.py").status, project("check", "--strict", "scene.py").status) == statuses
+
+
+def test_strict_belongs_to_scenes_and_models(project: Terminal) -> None:
+    for words in ((), ("component", "Pose")):
+        assert project("check", "--strict", *words).status == 2
+    model = project.directory / "cart.urdf"
+    words = ("check", str(model), "--picture", str(project.directory / "cart.png"))
+    # a mesh that does not exist is left out
+    assert (project(*words).status, project(*words, "--strict").status) == (0, 1)
+    model.write_text(re.sub(r".*no_such_mesh.*", "</link>", URDF))
+    assert project(*words, "--strict").status == 0
 
 
 def test_all_kinds_of_findings_are_counted(project: Terminal) -> None:

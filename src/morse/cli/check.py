@@ -298,6 +298,9 @@ def command(
     fix: Annotated[
         bool, typer.Option("--fix", help="Write a corrected copy beside the scene script, which itself is not changed.")
     ] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Treat each warning about the scene or model as an error: status 1.")
+    ] = False,
     picture: Annotated[
         Path | None,
         typer.Option(
@@ -311,13 +314,16 @@ def command(
     """Check the requirements of MORSE and optional programs; or a scene script; or components.
 
     `morse check SCENE` executes a scene script, lists all lines that need a change, e.g. since MORSE 1.4, and ends with
-    "runs" or "does not run". `morse check MODEL` lists the content of a model file, and draws it. `morse check
-    component NAME` runs a component in small simulations and reports violated rules of the contract.
+    "runs" or "does not run". The exit status is 1 for errors; with --strict, also for warnings and old forms. `morse
+    check MODEL` lists the content of a model file, and draws it. `morse check component NAME` runs a component in small
+    simulations and reports violated rules of the contract.
     """
+    if strict and (not what or what[0] == "component"):
+        raise CommandError("--strict belongs to `morse check SCENE` and `morse check MODEL`.", status=2)
     if what and what[0] == "component":
         return check_components(what[1:], robot)
     if what:
-        return _check_scene(what, fix=fix, picture=picture)
+        return _check_scene(what, fix=fix, strict=strict, picture=picture)
     if fix:
         raise CommandError("--fix belongs to `morse check SCENE`.", status=2)
     if robot is not None:
@@ -344,14 +350,14 @@ def command(
     return 0
 
 
-def _check_scene(words: list[str], *, fix: bool, picture: Path | None) -> int:
+def _check_scene(words: list[str], *, fix: bool, strict: bool, picture: Path | None) -> int:
     model = _model(words[0])
     if model is not None:
-        return check_model(model, picture)
+        return check_model(model, picture, strict=strict)
     if picture is not None:
         raise CommandError("--picture belongs to `morse check MODEL`; `morse render` draws scenes.", status=2)
     try:
-        return check_scene(words, fix=fix)
+        return check_scene(words, fix=fix, strict=strict)
     except CommandError as error:
         hint = nearest(words[0], ["component"])
         raise CommandError(f"{error}{hint}") if hint else error from None

@@ -101,11 +101,12 @@ def _shown(root: Node) -> list[Node]:
 # ``morse check robot.sdf``: what MORSE understands of a model file, and how it looks.
 
 
-def check_model(path: Path, picture: Path | None = None) -> int:
+def check_model(path: Path, picture: Path | None = None, *, strict: bool = False) -> int:
     """Print a table of the content of a model file, and what is left out.
 
     Args:
         picture: file for a picture of the model; None for ``<model>_check.png`` in the present folder.
+        strict: whether what is left out is an error.
 
     Returns:
         The exit status.
@@ -132,6 +133,9 @@ def check_model(path: Path, picture: Path | None = None) -> int:
     except OSError as error:
         raise CommandError(f"the picture {target} could not be written: {error.strerror or error}") from None
     say(f"Picture: {target}")
+    if strict and library.warnings:
+        say(f"{path.name} can be loaded, with {_count(len(library.warnings), 'warning')}.")
+        return 1
     say(f"{path.name} can be loaded.")
     return 0
 
@@ -139,16 +143,16 @@ def check_model(path: Path, picture: Path | None = None) -> int:
 # ``morse check scene.py``: list everything in a scene script that needs a change.
 
 
-def check_scene(words: Sequence[str], *, fix: bool) -> int:
+def check_scene(words: Sequence[str], *, fix: bool, strict: bool = False) -> int:
     """Check a scene script, and print what needs a change, with its lines, and whether it runs.
 
     Args:
         words: as after ``morse run``.
         fix: whether to write a mended copy beside the script.
+        strict: whether warnings and old forms are errors, as for ``morse run --strict``.
 
     Returns:
-        The exit status: 1 if the script does not run, or has a mistake that ``morse run`` warns of. Old forms, which
-        still work, leave it 0.
+        The exit status: 1 for an error, as of compilers.
 
     Raises:
         CommandError: there is no such script.
@@ -160,7 +164,7 @@ def check_scene(words: Sequence[str], *, fix: bool) -> int:
     if fix:
         _fix(result, resolved.script, options)
     say(_verdict(resolved.script.name, result.findings))
-    return 0 if all(finding.is_old for finding in result.findings) else 1
+    return 1 if result.stops or (strict and result.findings) else 0
 
 
 def _verdict(name: str, findings: Sequence[Finding]) -> str:
