@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from morse.kernel import loading, targets
+from morse.kernel import layout, loading, targets
 
 HOST = targets.host()
 
@@ -72,9 +72,94 @@ def test_a_library_of_another_version_is_not_used(build, monkeypatch, tmp_path):
     for level in HOST.levels:
         shutil.copy(targets.FOLDER / HOST.file_name(level), tmp_path)
     monkeypatch.setattr(targets, "FOLDER", tmp_path)
-    monkeypatch.setattr(loading, "INTERFACE", -1)
-    with pytest.raises(loading.KernelError, match="another version"):
+    # a member of a structure is added
+    sources = tmp_path / "c"
+    shutil.copytree(layout.SOURCES, sources)
+    changed = sources / "solids.h"
+    changed.write_text(changed.read_text().replace("typedef struct {", "typedef struct {\n    int64_t spare;", 1))
+    monkeypatch.setattr(loading, "layout", lambda: layout.layout(sources))
+    with pytest.raises(loading.KernelError, match=r"other structures; run python -m morse\.kernel\.build"):
         loading.library()
+
+
+def test_changed_sources_are_compiled_before_the_library_is_loaded(build, monkeypatch, caplog):
+    from morse.kernel import build as compiler
+
+    compiled = []
+    monkeypatch.setattr(loading, "is_stale", lambda target: True)
+    monkeypatch.setattr(compiler, "build", compiled.append)
+    with caplog.at_level("INFO"):
+        loading.library()
+    assert compiled == [HOST]
+    assert "compiled again, because its C files have changed" in caplog.text
+
+
+def test_errors_of_the_compiler_are_errors_of_the_kernel(build, monkeypatch):
+    from morse.kernel import build as compiler
+
+    def fail(target):
+        raise RuntimeError(f"The kernel could not be compiled for {target}: solids.h:9: unknown type")
+
+    monkeypatch.setattr(loading, "is_stale", lambda target: True)
+    monkeypatch.setattr(compiler, "build", fail)
+    with pytest.raises(loading.KernelError, match=r"solids\.h:9: unknown type"):
+        loading.library()
+
+
+def test_without_a_compiler_changed_sources_are_named(build, monkeypatch, caplog):
+    monkeypatch.setattr(loading, "is_stale", lambda target: True)
+    monkeypatch.setattr(loading.importlib.util, "find_spec", lambda name: None)
+    loading.library()
+    assert "run python -m morse.kernel.build, which needs the package ziglang" in caplog.text
+
+
+def test_a_library_without_a_layout_is_not_used(build, monkeypatch):
+    class Earlier:
+        def __init__(self, path: str) -> None:
+            del path
+
+    monkeypatch.setattr(loading.ctypes, "CDLL", Earlier)
+    with pytest.raises(loading.KernelError, match="other structures"):
+        loading.library()
+
+
+HEADER = """#define MOST 8
+#define SLACK 1.5f
+enum { ONE, TWO };
+typedef struct {
+    int32_t count;  // of rows
+    double rows[MOST];
+} Rows;
+MORSE_EXPORT void morse_run(const Rows *rows,
+                            int64_t count);
+void morse_run(const Rows *rows, int64_t count) { return; }
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "differs"),
+    [
+        ("int32_t count", "int64_t count", True),
+        ("MOST 8", "MOST 9", True),
+        ("ONE, TWO", "TWO, ONE", True),
+        ("const Rows *rows,\n", "Rows *rows,\n", True),
+        ("morse_run", "morse_walk", True),
+        ("// of rows", "// number of rows", False),
+        ("SLACK 1.5f", "SLACK 2.5f", False),
+        ("return;", "(void)rows;", False),
+        ("rows,\n                            int64_t", "rows, int64_t", False),
+    ],
+)
+def test_the_layout_is_that_of_structures_and_functions(old, new, differs):
+    assert old in HEADER
+    assert (layout.digest([HEADER.replace(old, new)]) != layout.digest([HEADER])) is differs
+
+
+@pytest.mark.parametrize(
+    "text", ["typedef struct {", "typedef struct {\n" * 20_000, "MORSE_EXPORT " * 20_000, "#define A " * 20_000]
+)
+def test_the_layout_of_damaged_sources_takes_little_time(text):
+    assert layout.digest([text]) >= 0
 
 
 def test_a_platform_without_a_library(monkeypatch):

@@ -55,7 +55,7 @@ def test_the_library_of_this_machine_passes():
     for level in HOST.levels:
         errors, functions = contents.inspect(library(level), HOST)
         assert errors == []
-        assert "morse_interface" in functions
+        assert "morse_layout" in functions
 
 
 def test_a_sound_wheel_passes(tmp_path: Path):

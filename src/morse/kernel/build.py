@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.kernel import targets
+from morse.kernel.layout import SOURCES, layout
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-SOURCES = Path(__file__).parent / "c"
 _STAMP = ".sources"
 WARNINGS = ("-Wall", "-Wextra", "-Wstrict-prototypes", "-Wmissing-prototypes", "-Wshadow", "-Werror")
 #: for bit-identical results: no fused products and sums, no reordering, no flush to zero
@@ -73,7 +73,7 @@ def _state(target: targets.Target) -> str:
     """A digest of all sources and settings of the libraries."""
     here = Path(__file__)
     digest = hashlib.sha256(str(target).encode())
-    for path in [*sorted(SOURCES.iterdir()), here, here.parent / "targets.py"]:
+    for path in [*sorted(SOURCES.iterdir()), here, here.parent / "targets.py", here.parent / "layout.py"]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 
@@ -88,6 +88,7 @@ def _compile(target: targets.Target, level: int, folder: Path) -> None:
         name = (f"-Wl,-install_name,@rpath/{library.name}",) if target.system == "macos" else ()
         platform = ("-target", target.zig, f"-mcpu={target.processor(level)}")
         command = [sys.executable, "-m", "ziglang", "cc", *platform, *EXACT, *_OPTIONS, *position, *name, *WARNINGS]
+        command += [f"-DMORSE_LAYOUT={layout():#x}ull"]
         command += ["-o", str(output), *map(str, sources())]
         # who compiles for many platforms may share the caches of the compiler
         caches = {name: os.environ.get(name, temporary) for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")}

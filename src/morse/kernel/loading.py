@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import logging
+import os
 import sysconfig
 from functools import cache
-from pathlib import Path
 
 from morse.kernel import targets
+from morse.kernel.layout import SOURCES, layout
 from morse.system import OF_MACHINE, variables
 
 logger = logging.getLogger(__name__)
 
-#: the version of structures and signatures that Python expects; see ``c/processor.c``
-INTERFACE = 33
 VARIABLE = "MORSE_KERNEL"
-_SOURCES = Path(__file__).parent / "c"
 
 
 class KernelError(OSError):
@@ -31,7 +30,7 @@ def library() -> ctypes.CDLL:
     is the highest level that the processor supports.
 
     Raises:
-        KernelError: it was not compiled for this platform, or belongs to another version of MORSE.
+        KernelError: it was not compiled for this platform, or from C files with other structures.
     """
     choice = variables.word(VARIABLE)
     target = targets.host()
@@ -40,13 +39,9 @@ def library() -> ctypes.CDLL:
         here = sysconfig.get_platform()
         raise KernelError(f"MORSE has no native kernel for this platform, {here}, but for {names}")
     file_names = {f"v{level}": level for level in target.levels if level}
-    if is_stale(target):
-        logger.warning(
-            "The native kernel was compiled from other sources than those of this checkout: run python -m "
-            "morse.kernel.build",
-            extra=OF_MACHINE,
-        )
     try:
+        if is_stale(target):
+            _renew(target)
         return load(target, file_names[choice]) if choice in file_names else _best(target)
     except OSError as error:
         raise KernelError(f"the native kernel cannot be loaded: {error}") from None
@@ -57,7 +52,7 @@ def is_stale(target: targets.Target) -> bool:
     path = targets.FOLDER / target.file_name(target.levels[0])
     try:
         compiled = path.stat().st_mtime_ns
-        if all(source.stat().st_mtime_ns <= compiled for source in _SOURCES.iterdir()):
+        if all(source.stat().st_mtime_ns <= compiled for source in SOURCES.iterdir()):
             return False
         # imported only now, because it takes longer than the check
         from morse.kernel import build
@@ -67,20 +62,52 @@ def is_stale(target: targets.Target) -> bool:
         return False
 
 
+def _renew(target: targets.Target) -> None:
+    """Compile the libraries again after the C files of an editable installation have changed.
+
+    Raises:
+        OSError: the compiler reported an error.
+    """
+    if importlib.util.find_spec("ziglang") is None or not os.access(targets.FOLDER, os.W_OK):
+        logger.warning(
+            "The native kernel was compiled from other sources than those of this checkout: run python -m "
+            "morse.kernel.build, which needs the package ziglang",
+            extra=OF_MACHINE,
+        )
+        return
+    logger.info("The native kernel is compiled again, because its C files have changed: this takes some seconds")
+    from morse.kernel import build
+
+    try:
+        build.build(target)
+    except RuntimeError as error:
+        raise OSError(str(error)) from None
+
+
 def load(target: targets.Target, level: int) -> ctypes.CDLL:
     """Load the build of one level.
 
     Raises:
-        OSError: the build does not exist, or belongs to another version of MORSE.
+        OSError: the build does not exist, or was compiled from C files with other structures.
     """
     path = targets.FOLDER / target.file_name(level)
     if not path.is_file():
         raise FileNotFoundError(f"{path.name} was not built; run python -m morse.kernel.build")
     kernel_library = ctypes.CDLL(str(path))
-    interface = kernel_library.morse_interface()
-    if interface != INTERFACE:
-        raise OSError(f"{path.name} belongs to another version of MORSE; run python -m morse.kernel.build")
+    if _layout_of(kernel_library) != layout():
+        raise OSError(
+            f"{path.name} was compiled from other sources, with other structures; run python -m morse.kernel.build"
+        )
     return kernel_library
+
+
+def _layout_of(kernel_library: ctypes.CDLL) -> int | None:
+    """The digest that was compiled in; None for libraries of earlier versions of MORSE."""
+    function = getattr(kernel_library, "morse_layout", None)
+    if function is None:
+        return None
+    function.restype = ctypes.c_uint64
+    return int(function())
 
 
 def _best(target: targets.Target) -> ctypes.CDLL:

@@ -3,13 +3,15 @@
 
 #include "export.h"
 
-// Increased with every change of a structure or signature: Python refuses a library of another version.
-#define INTERFACE 33
+// The digest of all structures and signatures, see `kernel/layout.py`: Python refuses a library with others.
+#ifndef MORSE_LAYOUT
+#define MORSE_LAYOUT 0
+#endif
 
-MORSE_EXPORT int32_t morse_interface(void);
+MORSE_EXPORT uint64_t morse_layout(void);
 MORSE_EXPORT int32_t morse_processor_level(void);
 
-int32_t morse_interface(void) { return INTERFACE; }
+uint64_t morse_layout(void) { return MORSE_LAYOUT; }
 
 #if defined(__x86_64__) && !defined(_MSC_VER)
 #include <cpuid.h>
