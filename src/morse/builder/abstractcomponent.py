@@ -14,12 +14,11 @@ from morse.builder.components.models import Models
 from morse.builder.data import Configuration
 from morse.builder.errors import checks
 from morse.builder.errors.checks import hint_at_radians
-from morse.builder.errors.declared import check_declared, warn_if_misspelled
+from morse.builder.errors.declared import check_declared
 from morse.builder.names import frames, naming
 from morse.builder.names.catalog import load_class
 from morse.builder.names.part import Part, Strength
 from morse.builder.objects import SceneObject, checked_property, timer
-from morse.core import declarations
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration
 
@@ -300,8 +299,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part, metaclass=_Whole):
         elif self._kind in ("sensor", "actuator") and (cls := self.component_class()) is not None:
             properties = check_declared(cls, kwargs)
         elif self._kind == "robot" and (cls := self.component_class()) is not None:
-            known = [declared.name for declared in declarations.properties(cls).values()]
-            warn_if_misspelled(type(self).__name__, kwargs, known)
+            properties = check_declared(cls, kwargs, has_own=True)
         for key, value in properties.items():
             self.scene_node.properties[key] = checked_property(key, value)
         if "frequency" in properties:

@@ -264,6 +264,12 @@ class Object(Requesting, AbstractObject):
         """
         return True
 
+    def check_scene(self) -> None:
+        """Check what it needs of other components, once all of them exist.
+
+        An error of the class `morse.core.exceptions.MorseError` refuses the scene, with the line of this component.
+        """
+
     def periodic_call(self) -> bool:
         """Return True: the action of a component is only called at its frequency. Kept for components of 1.4."""
         return True

@@ -291,6 +291,16 @@ def connect(context: Context, parts: Loaded, declarations: Sequence[ComponentDec
     for declaration, component in present:
         with about(declaration.where):
             _add_interfaces(context, component, declaration)
+    for declaration, component in present:
+        try:
+            component.check_scene()
+        except MorseError as error:
+            raise LoadError(f"{_where(declaration)}: {error}", declaration.where) from None
+        except ENDINGS:
+            raise
+        except BaseException as error:
+            text = f"{_where(declaration)} cannot check the scene: {describe(error)}"
+            raise LoadError(text, declaration.where) from error
 
 
 def _alter(declaration: ComponentDeclaration, cls: type, alterations: Sequence[SensorAlteration]) -> None:

@@ -285,8 +285,6 @@ def test_properties_of_clients_change_no_panels(load: Load):
     simulation = load(scene.replace("env =", "lift = Lift()\nlift.translate(y=9.0)\nenv ="))
     for name, value in (("Kind", "double"), ("Width", 5.0), ("Height", 9.0)):
         simulation.door.set_property(name, value)
-    simulation.lift.set_property("Levels", "[1, 2, 3, 4]")
-    simulation.lift.set_property("Size", "[]")
     simulation.door.open()
     simulation.lift.call(1)
     simulation.step(200)

@@ -346,8 +346,6 @@ def test_services_refuse_wrong_values(load: Load):
 def test_properties_of_clients_change_no_shapes(load: Load):
     simulation = load(PLANT)
     simulation.curve.set_property("Radius", 0.001)
-    simulation.source.set_property("Size", "[]")
-    simulation.source.set_property("Boxes", "[1, 2]")
     simulation.step(100)
     state = simulation.save()
     simulation.restore(state)

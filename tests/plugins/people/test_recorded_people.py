@@ -161,9 +161,12 @@ def test_they_obey_nobody(scene, call):
         ('crowd = Crowd("people", recorded="walks.txt", rate=0)', r"scene\.py:3: .*rate"),
         ('crowd = Crowd("people", recorded="walks.txt", rate=1000)', r"scene\.py:3: .*somebody walks at"),
         ('crowd = Crowd("people", recorded="walks.txt")\ncrowd.start([(0, 0), (9, 9)])', r"scene\.py:4: .*begin where"),
-        ("crowd = Crowd('people')\ncrowd.properties(Plan='{\"tracks\": [[1, 2]]}')", "people: the trajectories are no"),
         (
-            "crowd = Crowd('people')\ncrowd.properties(Plan='{\"tracks\": [[[0, 1, 2], [0, 1, 2]]]}')",
+            "crowd = Crowd('people')\ncrowd.scene_node.properties['Plan'] = '{\"tracks\": [[1, 2]]}'",
+            "people: the trajectories are no",
+        ),
+        (
+            "crowd = Crowd('people')\ncrowd.scene_node.properties['Plan'] = '{\"tracks\": [[[0, 1, 2], [0, 1, 2]]]}'",
             "people: the times of a trajectory increase",
         ),
     ],

@@ -357,9 +357,8 @@ def test_mistakes_are_named(tmp_path, call: str, words: str):
 
 def test_a_missing_traffic_light_is_named(load: Load):
     scene = "cars = Traffic()\ncars.road('a', [(0, 0), (90, 0)], 2)\ncars.stop('a', 50.0, 'lihgt')"
-    simulation = load(scene + EMPTY)
-    simulation.step(2)
-    assert any("no traffic light 'lihgt'" in one.cause for one in simulation.failures)
+    with pytest.raises(Exception, match=r":\d+\): cars: there is no traffic light 'lihgt'"):
+        load(scene + EMPTY)
 
 
 def test_traffic_without_cars_or_roads(load: Load):

@@ -12,7 +12,7 @@ from morse.core import declarations
 from morse.core.datastream import COMMON_OPTIONS
 from morse.core.exceptions import MorseBuilderNoComponentError
 from morse.core.validation import checked_options, checked_value
-from morse.core.validation.fields import spec_of_option, spec_of_property
+from morse.core.validation.fields import check_settable, spec_of_option, spec_of_property
 from morse.middleware import registry
 
 if TYPE_CHECKING:
@@ -85,8 +85,11 @@ def warn_if_misspelled(owner: str, names: Iterable[str], known: Iterable[str]) -
             logger.warning("%s has no property '%s'; did you mean '%s'? (it is kept)", owner, name, near)
 
 
-def check_declared(cls: type, values: Mapping[str, object]) -> Properties:
+def check_declared(cls: type, values: Mapping[str, object], *, has_own: bool = False) -> Properties:
     """Return properties as they are to be stored, with a warning for those that a component does not declare.
+
+    Args:
+        has_own: whether others are properties of the user's own, as those of robots: only misspelt ones are named.
 
     Raises:
         PropertyError: a value has the wrong type, or is outside of the declared range or choices.
@@ -95,8 +98,9 @@ def check_declared(cls: type, values: Mapping[str, object]) -> Properties:
     values = properties_of_today(cls.__name__, properties, values)
     for name, value in values.items():
         if name in properties:
+            check_settable(cls.__name__, properties[name])
             checked_value(cls.__name__, properties[name], value, script=True)
-        elif name not in _GENERAL:
+        elif not has_own and name not in _GENERAL:
             logger.warning(
                 "%s has no property '%s'%s (it is kept, but %s does not use it)",
                 cls.__name__,
@@ -104,6 +108,8 @@ def check_declared(cls: type, values: Mapping[str, object]) -> Properties:
                 checks.suggestion(name, properties),
                 cls.__name__,
             )
+    if has_own:
+        warn_if_misspelled(cls.__name__, values, properties)
     return values
 
 

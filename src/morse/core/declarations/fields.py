@@ -71,6 +71,7 @@ class Property(NamedTuple):
         choices: the only allowed values; empty for any.
         unit: see `morse.core.units`.
         allow: allowed special values: ``inf``, ``-inf``, ``nan``, ``none``.
+        written_by: what of the class of scripts writes it; neither ``properties`` nor ``set_property`` may then.
     """
 
     default: Value
@@ -82,6 +83,7 @@ class Property(NamedTuple):
     choices: tuple[Value, ...] = ()
     unit: str = ""
     allow: tuple[str, ...] = ()
+    written_by: str = ""
 
 
 class StateVariable(NamedTuple):

@@ -124,6 +124,7 @@ def add_property(
     choices: tuple[object, ...] = (),
     unit: str = "",
     allow: tuple[str, ...] = (),
+    written_by: str = "",
 ) -> None:
     """Declare a parameter; its value is the attribute ``python_name`` of the component.
 
@@ -138,12 +139,13 @@ def add_property(
         choices: the only allowed values.
         unit: unit of the value, e.g. ``m``, ``deg``.
         allow: allowed special values: ``inf``, ``-inf``, ``nan``, ``none``.
+        written_by: the call of the class of scripts that writes it, for messages: nothing else may set it then.
 
     Raises:
         MorseDeclarationError: the declaration contradicts itself.
     """
     body = _class_body("add_property")
-    prop = Property(default_value, name, type, doc, low, high, tuple(choices), unit, allow)
+    prop = Property(default_value, name, type, doc, low, high, tuple(choices), unit, allow, written_by)
     try:
         check_property(prop)
     except MorseDeclarationError as error:

@@ -146,6 +146,19 @@ def checked_value(owner: str, prop: Property, value: object, *, script: bool = F
         raise PropertyError(f"property '{prop.name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
+def check_settable(owner: str, prop: Property) -> None:
+    """Raise an error for a property that only its class of scripts writes.
+
+    Args:
+        owner: owner of the property, for messages.
+
+    Raises:
+        PropertyError: the message contains what writes it.
+    """
+    if prop.written_by:
+        raise PropertyError(f"property '{prop.name}' of {owner} is written by {prop.written_by} of the script alone")
+
+
 def checked_property(component: Component, name: object, value: object) -> tuple[str, object]:
     """The name of a property in Python, and the value as it is to be stored.
 
@@ -156,4 +169,5 @@ def checked_property(component: Component, name: object, value: object) -> tuple
     if not isinstance(name, str) or name not in by_name:
         raise PropertyError(f"{component.name()} has no property {shown(name)}{nearest(name, sorted(by_name))}")
     python_name, prop = by_name[name]
+    check_settable(component.name(), prop)
     return python_name, checked_value(component.name(), prop, value)

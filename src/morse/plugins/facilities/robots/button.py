@@ -54,7 +54,12 @@ class Button(Robot, Facility):
         high=50.0,
     )
     add_property(
-        "_calls", "[]", "Calls", "string", "Components, services and arguments, as JSON; written by the script"
+        "_calls",
+        "[]",
+        "Calls",
+        "string",
+        "Components, services and arguments, as JSON",
+        written_by="Button.calls(component, service)",
     )
 
     add_state("_told", bool, "Whether a client presses it in this tick")
@@ -65,9 +70,10 @@ class Button(Robot, Facility):
         # read once: clients may change properties while the simulation runs
         self._links: list[tuple[str, str, list[object]]] = json.loads(self._calls)
         self._told = False
-        self._has_links = False
 
-    not_state = ("_has_links",)
+    def check_scene(self) -> None:
+        """Check that all services exist and take their arguments."""
+        self._functions()
 
     @service
     def press(self) -> None:
@@ -76,10 +82,6 @@ class Button(Robot, Facility):
 
     def default_action(self) -> None:
         """Call the services when somebody begins to press."""
-        if not self._has_links:
-            # all components exist by now: an error names the button at the start, not when it is pressed
-            self._functions()
-            self._has_links = True
         data = self.local_data
         is_pressed = self._is_pressed()
         if self._told or (is_pressed and not data["pressed"]):

@@ -39,8 +39,10 @@ class Dispenser(Robot, Facility):
     _size: str
     _height: float
     _interval: float
-    add_property("_own_boxes", "[]", "Boxes", "string", "Names of its boxes, as JSON; written by the scene script")
-    add_property("_size", "[0.3, 0.3, 0.2]", "Size", "string", "Length, width and height of a box, m, as JSON")
+    add_property("_own_boxes", "[]", "Boxes", "string", "Names of its boxes, as JSON",
+                 written_by="Dispenser(stock=...)")  # fmt: skip
+    add_property("_size", "[0.3, 0.3, 0.2]", "Size", "string", "Length, width and height of a box, m, as JSON",
+                 written_by="Dispenser(size=...)")  # fmt: skip
     add_property("_height", 0.82, "Height", "float", "Height at which the bottom of a box appears", unit="m", low=0.0)
     add_property(
         "_interval", 0.0, "Interval", "float", "Time between two boxes; 0: by call", unit="s", low=0.0, high=1e6

@@ -43,8 +43,10 @@ class Lift(Robot, Facility):
     _speed: float
     _acceleration: float
     _hold: float
-    add_property("_levels", "[0.0, 3.5]", "Levels", "string", "Heights of the floors, m, as JSON")
-    add_property("_size", "[2.0, 1.8, 2.2]", "Size", "string", "Depth, width and height of the cabin, m, as JSON")
+    add_property("_levels", "[0.0, 3.5]", "Levels", "string", "Heights of the floors, m, as JSON",
+                 written_by="Lift(levels=...)")  # fmt: skip
+    add_property("_size", "[2.0, 1.8, 2.2]", "Size", "string", "Depth, width and height of the cabin, m, as JSON",
+                 written_by="Lift(size=..., height=...)")  # fmt: skip
     add_property("_speed", 1.0, "Speed", "float", "Speed", unit="m/s", low=0.05, high=20.0)
     add_property("_acceleration", 0.8, "Acceleration", "float", "Acceleration", unit="m/s^2", low=0.05, high=10.0)
     add_property("_hold", 5.0, "Hold", "float", "Time for which its doors stay open", unit="s", low=0.0, high=1e6)

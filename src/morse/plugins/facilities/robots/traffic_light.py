@@ -33,7 +33,8 @@ class TrafficLight(Robot, Facility):
 
     _phases: str
     _offset: float
-    add_property("_phases", _DAY, "Phases", "string", "States and their durations, s, as JSON")
+    add_property("_phases", _DAY, "Phases", "string", "States and their durations, s, as JSON",
+                 written_by="TrafficLight(phases=...)")  # fmt: skip
     add_property(
         "_offset", 0.0, "Offset", "float", "Time in the schedule at the beginning", unit="s", low=0.0, high=1e6
     )

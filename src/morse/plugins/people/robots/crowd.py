@@ -138,12 +138,14 @@ class Crowd(Robot):
     )
     add_property("_radius", 0.2, "Radius", "float", "Radius of a body seen from above", unit="m", low=0.1, high=1.0)
     add_property("_groups", 0.0, "Groups", "float", "Share of the people who walk in groups", low=0.0, high=1.0)
-    add_property(
-        "_heights", "[]", "Heights", "string", "Heights of the people, m, as JSON; written by the scene script"
-    )
-    add_property("_rides", 0, "Rides", "int", "Number of the first people, who sit in wheelchairs", low=0)
-    add_property("_plan", "{}", "Plan", "string", "Starts and goals as JSON; written by the scene script")
-    add_property("_attention", "{}", "Attention", "string", "Share of the people who see a robot, by its name, as JSON")
+    add_property("_heights", "[]", "Heights", "string", "Heights of the people, m, as JSON",
+                 written_by="Crowd(count=...)")  # fmt: skip
+    add_property("_rides", 0, "Rides", "int", "Number of the first people, who sit in wheelchairs", low=0,
+                 written_by="Crowd(wheelchairs=...)")  # fmt: skip
+    add_property("_plan", "{}", "Plan", "string", "Starts and goals as JSON",
+                 written_by="Crowd.start(...) and Crowd.goals(...)")  # fmt: skip
+    add_property("_attention", "{}", "Attention", "string", "Share of the people who see a robot, by its name, as JSON",
+                 written_by="Crowd.avoids(robot, attention)")  # fmt: skip
 
     add_state("_touching", dict, "Contacts of people and robots: begin (s), overlap without force, overlap (m)")
     add_state("_reported", dict, "Contacts that were above the limit")

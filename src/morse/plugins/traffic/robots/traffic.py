@@ -112,9 +112,10 @@ class Traffic(Robot):
     add_property("_politeness", 0.3, "Politeness", "float", "Weight of the losses of others", low=0.0, high=1.0)
     add_property("_bias", 0.0, "Bias", "float", "Preference for the right lane", unit="m/s^2", low=-5.0, high=5.0)
     add_property("_deviation", 0.0, "Deviation", "float", "Deviation of desired speeds, share", low=0.0, high=0.3)
-    add_property("_plan", "{}", "Roads", "string", "Roads as JSON; written by the scene script")
-    add_property("_stop_lines", "[]", "Stops", "string", "Stop lines as JSON; written by the scene script")
-    add_property("_sizes", "[]", "Lengths", "string", "Lengths of the cars, m, as JSON; written by the scene script")
+    add_property("_plan", "{}", "Roads", "string", "Roads as JSON", written_by="Traffic.road(...)")
+    add_property("_stop_lines", "[]", "Stops", "string", "Stop lines as JSON", written_by="Traffic.stop(...)")
+    add_property("_sizes", "[]", "Lengths", "string", "Lengths of the cars, m, as JSON",
+                 written_by="Traffic.road(count=...)")  # fmt: skip
 
     not_state: ClassVar[tuple[str, ...]] = ("local_data",)
 
@@ -339,11 +340,19 @@ class Traffic(Robot):
             self._sides[robot] = reach, reach
         return self._sides[robot]
 
+    def check_scene(self) -> None:
+        """Check that all traffic lights exist."""
+        for _, _, name in self._stops:
+            if self.context.component(name) is None:
+                names = [*self.context.robots, *self.context.components]
+                raise MorseError(f"{self.name()}: there is no traffic light '{name:.80}'{nearest(name, names)}")
+
     def _stop_at_lights(self, gap: Floats, acceleration: Floats, desired: Floats) -> tuple[Floats, Floats]:
         for number, place, name in self._stops:
             light = self.context.component(name)
             if light is None:
-                raise MorseError(f"{self.name()}: there is no traffic light '{name:.80}'")
+                # it has left the scene
+                continue
             state = light.local_data.get("state")
             if state not in (*_STOPS, "yellow"):
                 continue
