@@ -14,6 +14,8 @@ from morse.scene import PhysicsType
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from morse.core.values import StateData
     from morse.physics.bodies import Bodies
     from morse.physics.model.layout import Frame
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
 _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+#: inertia, kg or kg m^2, of a suspended body with links: forces accelerate it by next to nothing
+_IMMOVABLE = 1e12
 
 
 class Attachments:
@@ -32,6 +36,9 @@ class Attachments:
 
     The pose of a held body is set before and after every tick. A weld constraint would lag behind by several
     millimetres; the grip of MORSE 1.4 did not lag.
+
+    A suspended body with links does not move during the steps of the engine either. If it fell and were put back, or if
+    the ground pushed it out, its links would be accelerated relative to it, and sensors would show forces.
     """
 
     def __init__(self, state: EngineState, bodies: Bodies, tick: Tick) -> None:
@@ -41,6 +48,8 @@ class Attachments:
         self._held: dict[int, tuple[Posed, _Pose]] = {}
         #: position, rotation and quaternion
         self._suspended: dict[int, tuple[Sequence[float], Sequence[float], Sequence[float]]] = {}
+        #: first degree of freedom of each body that does not move in this tick, and what the model has there
+        self._fixed: dict[int, NDArray[np.float64]] = {}
 
     def reset(self) -> None:
         """Release all slots, after the model was reset to its compiled values."""
@@ -130,8 +139,15 @@ class Attachments:
 
     def before_step(self) -> None:
         """Called at the beginning of a tick."""
-        bodies = self._bodies
+        bodies, state = self._bodies, self._state
+        # those of a tick that has failed
+        self._let_move()
         for index in self._suspended:
+            slot = state.slots[index]
+            if slot.frame.motion is Motion.FREE and slot.dof >= 0 and state.links.get(index):
+                inertias = state.model.dof_armature[slot.dof : slot.dof + 6]
+                self._fixed[slot.dof] = inertias.copy()
+                inertias[:] = _IMMOVABLE
             # the object is already at its pose, which was set at the end of the last tick or by `moved`
             bodies.set_velocity(index, *_AT_REST)
         if self._held:
@@ -139,6 +155,7 @@ class Attachments:
 
     def after_step(self) -> None:
         """Called at the end of a tick, when the holders have moved; the poses of all slots are computed afterwards."""
+        self._let_move()
         bodies = self._bodies
         if not self._held:
             for index, (position, rotation, offset_rotation) in self._suspended.items():
@@ -149,6 +166,11 @@ class Attachments:
             bodies.place(index, position, rotation)
             bodies.set_velocity(index, *_AT_REST)
         self._place_held()
+
+    def _let_move(self) -> None:
+        for dof, inertias in self._fixed.items():
+            self._state.model.dof_armature[dof : dof + 6] = inertias
+        self._fixed.clear()
 
     def _place_held(self) -> None:
         bodies = self._bodies
