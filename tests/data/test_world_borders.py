@@ -11,8 +11,8 @@ from morse.simulation.simulation import Simulation
 STEP, BUMPER = 1.0, 0.35
 #: m: a robot climbs no higher within a step, and one that drops deeper than this has fallen off
 CLIMB, DEEPEST = 0.7, 8.0
-#: m: where the origin is between desks, before a door
-STARTS = {"laas/grande_salle": (-4.6, -9.0)}
+#: m: places from which the robot goes, if not the origin: before a door; in the room and in the passage
+STARTS = {"laas/grande_salle": [(-4.6, -9.0)], "tum_kitchen/tum_kitchen": [(2.0, 2.0), (7.6, 3.0)]}
 UP = np.array([0.0, 0.0, 1.0])
 WAYS = np.array([(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
 
@@ -26,10 +26,10 @@ def distances(simulation: Simulation, begin: np.ndarray, along: np.ndarray, reac
     return np.array(bundle.distances)
 
 
-def lost_places(simulation: Simulation, start: tuple[float, float]) -> list[list[float]]:
-    """The places at which a robot falls off that goes from the start wherever nothing stops it."""
-    here = np.array([[*start, 0.0]])
-    known = {(round(start[0] / STEP), round(start[1] / STEP))}
+def lost_places(simulation: Simulation, starts: list[tuple[float, float]]) -> list[list[float]]:
+    """The places at which a robot falls off that goes from the starts wherever nothing stops it."""
+    here = np.array([[*start, 0.0] for start in starts])
+    known = {(round(x / STEP), round(y / STEP)) for x, y in starts}
     lost: list[list[float]] = []
     while len(here):
         begin = np.repeat(here, len(WAYS), axis=0) + BUMPER * UP
@@ -75,5 +75,5 @@ def test_no_way_over_the_ground_ends_in_the_air(world: str) -> None:
 
     with morse.load(scene) as simulation:
         simulation.step(1)
-        lost = lost_places(simulation, STARTS.get(world, (0.0, 0.0)))
+        lost = lost_places(simulation, STARTS.get(world, [(0.0, 0.0)]))
     assert lost == [], f"a robot falls at {np.round(lost[:5], 1).tolist()} and {len(lost) - 5} other places"
