@@ -52,6 +52,16 @@ class TestPage:
         server.send(Answer(call.request, True, path))
         server.send(Recordings([]))
         wait_until(lambda: path in page.locator(".recordings").inner_text() and not line.is_visible())
+        asked = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.get_by_role("button", name="open in Foxglove").click()
+        dialog = page.get_by_role("dialog", name="Open in Foxglove")
+        told = dialog.inner_text()
+        assert path in told
+        assert f"morse export {path} --foxglove-layout" in told
+        assert dialog.locator("a").count() == 0
+        assert asked == []  # nothing leaves the machine
+        dialog.get_by_role("button", name="close").click()
         page.locator(".recordings").get_by_role("button", name="Close").click()
         assert page.locator(".recording").count() == 0
 

@@ -1,3 +1,4 @@
+import { tape } from "../connection/tape";
 import type { App } from "../app";
 import type { DisplayDescription } from "../generated/protocol";
 import { Layers } from "../layers/layers";
@@ -58,7 +59,7 @@ export class Panels {
     this.capture = new Capture(stage, toasts);
     this.layers = new Layers(connection, stage, components, watching, app.world);
     this.images = new Images(connection, components, watching, app.session);
-    this.plots = new PlotsPanel(components, watching, app.session, () => shell.show("bottom"), (text) => toasts.show(text));
+    this.plots = new PlotsPanel(components, watching, app.session, () => shell.show("bottom"), (text) => toasts.show(text), tape ? null : () => this.recording.openInFoxglove());
     this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node), () => void this.editor.delete(components.chosen), () => void this.editor.duplicate(components.chosen), app.seat.drives);
     this.mover = new Mover(stage, connection, (movement) => void this.object.teleport(movement), (nodes, factors, group) => void this.editor.scale(nodes.map(({ name }) => name), factors, group));
     this.mover.running = () => app.poses.value?.running ?? false;

@@ -46,7 +46,8 @@ export class Plot {
   private stale = true;
   private seconds = 15;
 
-  constructor() {
+  /** @param onFoxglove says how Foxglove opens the run; null in a run without a simulator */
+  constructor(onFoxglove: (() => void) | null) {
     const pause = iconButton(icons.pause, "Hold", () => {
       this.paused = !this.paused;
       pause.setAttribute("aria-pressed", String(this.paused));
@@ -68,6 +69,7 @@ export class Plot {
           pause,
           h("button", { type: "button", title: "save as picture", onclick: () => this.chart && savePicture(this.chart.ctx.canvas, this.titles()) }, "PNG"),
           h("button", { type: "button", title: "save as table", onclick: () => saveTable(this.csv()) }, "CSV"),
+          onFoxglove && h("button", { type: "button", title: "open the run in Foxglove", onclick: onFoxglove }, "Foxglove"),
           iconButton(icons.close, "Close", () => this.onEmpty()),
         ),
       ),

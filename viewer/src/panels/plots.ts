@@ -34,6 +34,7 @@ export class PlotsPanel {
     private readonly session: Session,
     private readonly onFirst: () => void,
     private readonly tell: (text: string) => void,
+    private readonly onFoxglove: (() => void) | null,
   ) {
     this.element.append(this.hint);
     this.accept(this.element, null);
@@ -106,7 +107,7 @@ export class PlotsPanel {
   }
 
   private create(): Plot {
-    const plot = new Plot();
+    const plot = new Plot(this.onFoxglove);
     plot.onEmpty = () => {
       plot.dispose();
       this.plots.splice(this.plots.indexOf(plot), 1);

@@ -4,6 +4,7 @@ import { disable, h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
 import { formatTime } from "./clock";
+import { showFoxglove } from "./foxglove";
 import type { Toasts } from "./toasts";
 
 interface Line {
@@ -55,6 +56,14 @@ export class RecordingPanel {
     } else this.saved = null;
   }
 
+  /** Say how Foxglove opens the present recording, or the last one. */
+  openInFoxglove(): void {
+    const path = this.running[0]?.path ?? this.saved;
+    const stoppable = this.running.length === 0 || this.own !== null;
+    const toggle = this.possible && this.drives.value && stoppable && (path === null || this.own !== null) ? (): void => void this.toggle() : null;
+    showFoxglove({ path, running: this.running.length > 0, toggle, copy: (text) => void this.copy(text) });
+  }
+
   private show(): void {
     const { own, button } = this;
     button.hidden = !this.possible;
@@ -91,19 +100,19 @@ export class RecordingPanel {
       this.saved = null;
       this.show();
     });
-    const use = h("span", { class: "quiet" }, " · in Foxglove: Open local file; again here: morse replay");
-    const text = h("span", {}, "recorded: ", h("code", {}, path), use);
-    this.savedElement = h("p", { class: "recording", title: path, role: "status" }, text, iconButton(icons.copy, "Copy the path", () => void this.copy(path)), close);
+    const text = h("span", {}, "recorded: ", h("code", {}, path), h("span", { class: "quiet" }, " · again here: morse replay"));
+    const foxglove = h("button", { type: "button", onclick: () => this.openInFoxglove() }, "open in Foxglove");
+    this.savedElement = h("p", { class: "recording", title: path, role: "status" }, text, foxglove, iconButton(icons.copy, "Copy the path", () => void this.copy(path)), close);
     return this.savedElement;
   }
 
-  private async copy(path: string): Promise<void> {
+  private async copy(text: string): Promise<void> {
     try {
-      await navigator.clipboard.writeText(path);
-      this.toasts.show("The path is on the clipboard.");
+      await navigator.clipboard.writeText(text);
+      this.toasts.show("It is on the clipboard.");
     } catch {
       // without a secure connection, browsers do not allow access to the clipboard
-      this.toasts.show(path);
+      this.toasts.show(text);
     }
   }
 }
