@@ -305,21 +305,23 @@ static void draw_colours(const Frame *f, const Camera *k, Work *w) {
 
 // The unit normals of eight pixels along the axes of the camera; 0 without a surface.
 static void write_normals(const Frame *f, const Camera *k, Work *w, I8 shown, int x, int y, int count, float (*to)[3]) {
-    const float *r = k->axes, fy = (float)y + 0.5f;
+    const float *r = k->axes;
+    const F8 px = STEPS + ((float)x + 0.5f), py = splat((float)y + 0.5f);
+    F8 n[3] = {splat(0), splat(0), splat(0)};
     make_room(f, k, w, LANES);
-    EACH(j, count) {
-        float n[3] = {0, 0, 0};
-        if (shown[j] >= 0) {
-            const int place = place_of(f, &w->shown, shown[j]);
-            complete(f, k, &w->shown);
-            const F8 at = at_point(w->shown.planes + place, (float)(x + j) + 0.5f, fy);
-            EACH(i, 3) n[i] = at[i];
-        }
-        const float square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-        const float factor = 1 / sqrtf(square > 1e-30f ? square : 1e-30f);
-        EACH(i, 3) n[i] *= factor;
-        EACH(i, 3) to[j][i] = r[3 * i] * n[0] + r[3 * i + 1] * n[1] + r[3 * i + 2] * n[2];
+    // once for each triangle in the row
+    for (unsigned left = lanes_of(shown >= 0) & ((1u << count) - 1); left;) {
+        const int32_t who = shown[__builtin_ctz(left)];
+        const int place = place_of(f, &w->shown, who);
+        complete(f, k, &w->shown);
+        const I8 mine = shown == who;
+        EACH(i, 3) n[i] = pick(mine, at_points(w->shown.planes + place, NORMAL_X + i, px, py), n[i]);
+        left &= ~lanes_of(mine);
     }
+    const V3 u = unit((V3){n[0], n[1], n[2]});
+    F8 turned[3];
+    EACH(i, 3) turned[i] = r[3 * i] * u.x + r[3 * i + 1] * u.y + r[3 * i + 2] * u.z;
+    EACH(j, count) EACH(i, 3) to[j][i] = turned[i][j];
 }
 
 static inline int32_t instance_of(const Frame *f, int32_t who) {
