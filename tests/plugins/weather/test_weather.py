@@ -151,6 +151,39 @@ env.weather(fog=100.0)
     assert contrasts == pytest.approx([math.exp(-2.996 * d / 100.0) for d in (10.0, 50.0, 100.0)], abs=0.015)
 
 
+def test_the_sky_is_seen_through_the_rain_below_the_clouds(load: Load):
+    """ITU-R P.1814 along 3 km / sin(elevation): the sky keeps more of its colour overhead than near the horizon."""
+    for rate in (0.5, 2.0, 50.0):
+        rain = Conditions(rain=rate)
+        for elevation in (0.2, 0.7, 1.57):
+            (way,) = rain.way_to_sky(np.array([math.sin(elevation)], np.float32))
+            decibels = 10.0 * math.log10(math.exp(1.0)) * rain.extinction() * float(way)
+            assert decibels == pytest.approx(1.076 * rate**0.67 * 3.0 / math.sin(elevation), rel=2e-3)
+    simulation = load("""
+robot = FakeRobot()
+for number, pitch in enumerate((0.1, 0.7, 1.2)):
+    camera = VideoCamera(f"camera{number}")
+    camera.properties(cam_width=16, cam_height=16, cam_fov=1.0)
+    camera.translate(z=30.0)
+    camera.rotate(y=pitch)
+    robot.append(camera)
+env = Environment("outdoors")
+env.weather()
+""")
+    light = {}
+    for rain in (0.0, 2.0, 50.0):
+        simulation.rpc("weather", "set", {"rain": rain})
+        simulation.step(10)
+        for number, pitch in enumerate((0.1, 0.7, 1.2)):
+            codes = np.asarray(simulation.robot[f"camera{number}"].get()["image"])[8, 8, :3]
+            light[rain, pitch] = ((codes / 255.0 + 0.055) / 1.055) ** 2.4
+    for pitch in (0.7, 1.2):
+        # near the horizon, nothing is left of the blue sky
+        left = np.mean((light[2.0, pitch] - light[2.0, 0.1]) / (light[0.0, pitch] - light[2.0, 0.1]))
+        assert left == pytest.approx(10.0 ** (-0.1 * 1.076 * 2.0**0.67 * 3.0 / math.sin(pitch)), abs=0.03)
+        assert np.all(light[50.0, pitch] < light[2.0, pitch])
+
+
 def test_gusts_have_the_spectrum_of_dryden():
     """MIL-F-8785C: 2 s^2 T / pi / (1 + (T w)^2) along the wind; s^2 T / pi (1 + 3 (T w)^2) / (1 + (T w)^2)^2 across."""
     period, speed = 0.05, 20.0

@@ -346,6 +346,34 @@ def test_wet_ground_is_darker_from_above(load: Load):
     assert np.mean(wet / np.maximum(bare, 1)) == pytest.approx(math.sqrt(0.6), abs=0.08)
 
 
+def test_puddles_reflect_as_schlick_says(load: Load):
+    """At 4 m from eyes at 1 m, water reflects 0.02 + 0.98 (1 - cos)^5 of the wall behind: its mirror image."""
+    scene = """
+robot = FakeRobot()
+camera = VideoCamera()
+camera.translate(z=1.0)
+camera.properties(cam_width=200, cam_height=200, cam_fov=60.0)
+robot.append(camera)
+floor = Cube("floor")
+floor.scale = (90.0, 90.0, 0.5)
+floor.translate(z=-0.5)
+wall = Cube("wall")
+wall.scale = (0.5, 40.0, 40.0)
+wall.translate(x=6.5)
+env = Environment("empty")
+env.weather(wet={wet})
+"""
+    bare, wet = (_picture(load(scene.format(wet=wet))) for wet in (0.0, 1.0))
+    focal = 100.0 / math.tan(math.radians(30.0))
+    # the ground 4 m ahead, and the wall where the reflected ray meets it, at a height of (6 - 4) / 4
+    ground, image = round(100.0 + focal / 4.0), round(100.0 + focal * 0.5 / 6.0)
+    cosine = 1.0 / math.sqrt(17.0)
+    reflectance = 0.02 + 0.98 * (1.0 - cosine) ** 5
+    expected = (1.0 - reflectance) * math.sqrt(0.6) * bare[ground, 100] + reflectance * bare[image, 100]
+    assert wet[ground, 100] == pytest.approx(expected, abs=3.0)
+    assert wet[image, 100] == pytest.approx(bare[image, 100], abs=1.0)
+
+
 def test_as_many_drops_are_on_the_lens_as_the_script_says(load: Load):
     scene = LOOKING_DOWN.format(weather="lens_drops=12").replace(
         "env.weather", "env.simulator_frequency(20)\nenv.weather"
@@ -363,7 +391,7 @@ def test_as_many_drops_are_on_the_lens_as_the_script_says(load: Load):
 
 def test_delayed_pictures_are_restored_with_what_the_weather_needs(load: Load):
     """Pictures that wait for their delay in a saved state give the same images after it is restored."""
-    scene = LOOKING_DOWN.format(weather="fog=50.0, snow_cover=0.5, rain=5.0").replace(
+    scene = LOOKING_DOWN.format(weather="fog=50.0, snow_cover=0.5, wet=0.5, rain=5.0").replace(
         "robot.append(camera)", "camera.delay(0.3)\nrobot.append(camera)"
     )
     simulation = load(scene)

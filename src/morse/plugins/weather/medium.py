@@ -38,6 +38,11 @@ _DECIBEL = math.log(10.0) / 10.0
 _OPAQUE = 300.0
 #: number of distances in a table
 _STEPS = 513
+#: m, the thickness of fog, and of rain, snow and dust, above a camera: typical of radiation fog, and of the height of
+#: rain in temperate climates (Recommendation ITU-R P.839)
+_FOG_LAYER, _RAIN_LAYER = 200.0, 3000.0
+#: m, the greatest distance of the sky
+_FAR_AWAY = 1e5
 #: mass extinction of mineral dust in visible light, m^2/g (J. Hand, W. Malm, J. Geophysical Research 112 (2007))
 _DUST = 0.6
 
@@ -90,6 +95,18 @@ class Conditions:
         """Return the extinction coefficient of light, 1/m: the power falls by ``exp(-extinction * distance)``."""
         fog = 0.0 if math.isinf(self.fog) else _fog(self.fog, wavelength)
         return fog + _DECIBEL / 1000.0 * (_rain(self.rain) + _snow(self.snow, wavelength)) + _DUST * self.dust
+
+    def way_to_sky(self, rise: NDArray[np.float32], wavelength: float = VISIBLE) -> NDArray[np.float32]:
+        """Return the lengths (N,) of air with the present extinction up to the sky, m.
+
+        Args:
+            rise: (N,) vertical components of the directions, of length 1.
+            wavelength: m.
+        """
+        whole = self.extinction(wavelength)
+        fog = 0.0 if math.isinf(self.fog) else _fog(self.fog, wavelength)
+        layer = (fog * _FOG_LAYER + (whole - fog) * _RAIN_LAYER) / whole if whole else _FAR_AWAY
+        return np.asarray(np.float32(layer) / np.maximum(rise, np.float32(layer / _FAR_AWAY)), np.float32)
 
     @property
     def is_clear(self) -> bool:

@@ -9,7 +9,8 @@ import numpy as np
 
 from morse.mathutils import portable
 from morse.plugins.weather import PROPERTY
-from morse.plugins.weather.drawing import LEVEL, SKY, SNOWY, Ground, draw_lens_drops, draw_streaks
+from morse.plugins.weather.drawing import draw_lens_drops, draw_streaks, sky_in
+from morse.plugins.weather.ground import LEVEL, SNOWY, Ground
 from morse.plugins.weather.medium import DEPTH_OF_RANGE, THERMAL, VISIBLE, drops_of
 from morse.plugins.weather.services import present
 from morse.sensors.camera import PictureModifier
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 _LEVELS, _STEPS, _DEEPEST = 256, 4096, 6.0
 #: exposure of a camera without a time of exposure, s
 _EXPOSURE = 1.0 / 60.0
-#: distance of the sky, m
-_FAR_AWAY = 1e5
 
 
 class _InAir(PictureModifier):
@@ -46,27 +45,30 @@ class _InAir(PictureModifier):
     def __init__(self, component_instance: Object, kwargs: Options) -> None:
         super().__init__(component_instance, kwargs)
         self._lens: Lens | None = None
-        self._rays = self._lengths = np.zeros((0, 0), np.float32)
+        self._rays = (np.zeros((0, 0), np.float32),) * 2
+        self._lengths = self._rays[0]
 
-    def rays(self) -> NDArray[np.float32]:
-        """Return what `Lens.rays` returns (H, W, 3)."""
+    def rays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return right and down (H, W) of what `Lens.rays` returns; ahead is 1."""
         lens = self.component_instance.lens
         if self._lens is not lens:
-            self._lens, self._rays = lens, lens.rays()
-            self._lengths = np.sqrt((self._rays * self._rays).sum(axis=2))
+            x, y, ahead = np.ascontiguousarray(np.moveaxis(lens.rays(), 2, 0))
+            self._lens, self._rays = lens, (x, y)
+            self._lengths = np.sqrt(x * x + y * y + ahead * ahead)
         return self._rays
 
     def optical_depth(self, air: Atmosphere, picture: Picture, wavelength: float) -> NDArray[np.float32]:
         """Return the optical depth (H, W) up to the surface in each pixel, or up to the sky."""
-        rays = self.rays()
+        x, y = self.rays()
         distances = picture.depth * self._lengths
-        distances[picture.depth <= 0.0] = _FAR_AWAY
+        is_sky = picture.depth <= 0.0
+        right, down, ahead = picture.axes[:, 2]
+        rise = (x[is_sky] * right + y[is_sky] * down + ahead) / self._lengths[is_sky]
+        distances[is_sky] = air.outside.way_to_sky(rise, wavelength)
         if not air.zones:
             distances *= np.float32(air.outside.extinction(wavelength))
             return distances
-        ways = [
-            sum(rays[..., axis] * picture.axes[axis, part] for axis in range(3)) / self._lengths for part in range(3)
-        ]
+        ways = [(x * right + y * down + ahead) / self._lengths for right, down, ahead in picture.axes.T]
         return air.along(picture.eye, ways, distances, lambda one: one.extinction(wavelength)).astype(np.float32)
 
 
@@ -101,14 +103,15 @@ class CameraInWeather(_InAir):
             return picture
         rgba = picture.rgba.copy()
         if outside.wet:
-            Ground.of(picture, self.rays(), LEVEL).water(rgba, outside.wet, picture, camera.lens)
+            Ground.of(picture, self.rays(), LEVEL).water(rgba, outside.wet, camera.lens)
         if outside.snow_cover:
             Ground.of(picture, self.rays(), SNOWY).snow(rgba, outside.snow_cover)
         if not air.is_clear:
-            _veil(rgba, self.optical_depth(air, picture, VISIBLE))
+            around = air.at(picture.eye.tolist())
+            _veil(rgba, self.optical_depth(air, picture, VISIBLE), sky_in(around))
             random = camera.context.random_at(f"{camera.name()}/weather", round(time * 1e6))
             exposure = float(camera.exposure_time) or _EXPOSURE
-            for drops in drops_of(air.at(picture.eye.tolist())):
+            for drops in drops_of(around):
                 draw_streaks(rgba, drops, camera.lens, exposure, random, flakes=drops.reflectance > 0.5)
         if outside.lens_drops:
             name = f"{camera.name()}/lens"
@@ -118,9 +121,9 @@ class CameraInWeather(_InAir):
         return picture._replace(rgba=rgba)
 
 
-def _veil(rgba: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
+def _veil(rgba: NDArray[np.uint8], depth: NDArray[np.float32], sky: tuple[int, int, int]) -> None:
     """Mix the codes of pixels with those of the sky, by their optical depth."""
-    levels, mixed = _tables()
+    levels, mixed = _tables(sky)
     place = levels[_steps_of(depth)]
     for channel in range(3):
         rgba[..., channel] = mixed[channel].take(place | rgba[..., channel])
@@ -138,15 +141,15 @@ def _transmissions() -> NDArray[np.float64]:
     return portable.exp(-np.arange(_STEPS) * (_DEEPEST / (_STEPS - 1)))
 
 
-@lru_cache(1)
-def _tables() -> tuple[NDArray[np.uint16], NDArray[np.uint8]]:
+@lru_cache(32)
+def _tables(sky: tuple[int, int, int]) -> tuple[NDArray[np.uint16], NDArray[np.uint8]]:
     """Return by step of the optical depth the first place of a row of codes; (3, places) the mixed codes."""
     share = _transmissions().copy()
     share[-1] = 0.0
     rows = np.round(share * (_LEVELS - 1)).astype(np.uint16)
     shares = np.arange(_LEVELS)[:, None] / (_LEVELS - 1)
     codes = portable.linear_light(np.arange(256) / 255.0)
-    mixed = np.stack([_codes(shares * codes + (1.0 - shares) * codes[int(sky)]).ravel() for sky in SKY])
+    mixed = np.stack([_codes(shares * codes + (1.0 - shares) * codes[code]).ravel() for code in sky])
     return (rows << 8).astype(np.uint16), mixed
 
 
