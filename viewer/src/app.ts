@@ -23,6 +23,7 @@ import { Navigation } from "./view/navigation";
 import { isGround } from "./view/ground";
 import { pick } from "./view/pick";
 import { Stage } from "./view/stage";
+import { Air } from "./world/air";
 import { World } from "./world/world";
 
 /** Near clipping distance: nearer objects are always drawn, m. */
@@ -47,6 +48,7 @@ export class App {
   readonly watching = new Watching(this.connection);
   readonly world = new Signal<World | null>(null);
   readonly poses = new Signal<PoseFrame | null>(null);
+  readonly air = new Air(this.connection, this.stage, this.poses);
   readonly panels = new Panels(this);
   readonly pad = new Pad(this.connection);
   readonly accidents = new Accidents(this.keyboard, this.stage.renderer.domElement);

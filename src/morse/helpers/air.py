@@ -1,9 +1,9 @@
-"""What moves and dampens in the air, for all components: the wind, and rain in the way of radio waves."""
+"""What moves, dampens and shows in the air, for all components: the wind, rain in the way of radio waves, haze."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,6 +22,27 @@ if TYPE_CHECKING:
 _FASTEST = 1e3
 
 
+class Look(NamedTuple):
+    """How the air of a part of the world looks, for views of it.
+
+    Attributes:
+        color: red, green and blue of the light that it scatters, as codes from 0 to 1.
+        extinction: of light, 1/m.
+        overhead: optical depth of all air above.
+        rain, snow: what falls, mm/h of water.
+        corners: (x, y) of the convex base of the part, counterclockwise, m; empty for the whole world.
+        top: upper end of the part, m; None for none.
+    """
+
+    color: tuple[float, float, float]
+    extinction: float = 0.0
+    overhead: float = 0.0
+    rain: float = 0.0
+    snow: float = 0.0
+    corners: tuple[tuple[float, float], ...] = ()
+    top: float | None = None
+
+
 class Air:
     """The air of a simulation, ``context.server(Air)``; who simulates a weather sets it at the beginning of each tick.
 
@@ -32,6 +53,8 @@ class Air:
             their frequency, Hz; None if the air absorbs none.
         radio_echo: returns the radar cross-section of a volume of air, m²/m³, for a frequency, Hz, and a place (3,);
             None if it has none.
+        looks: how it looks; the first one is that of the whole world but for the others. Empty for clear air.
+        wet, snow_cover: share of the ground with water and with snow, 0 to 1.
         thrust: returns the thrust of the rotors of a robot as a share of that in free air; None if that is 1.
     """
 
@@ -40,6 +63,8 @@ class Air:
         self.gust: Wind = (0.0, 0.0, 0.0)
         self.radio_loss: Callable[[float, Floats, Floats], Floats] | None = None
         self.radio_echo: Callable[[float, Sequence[float]], float] | None = None
+        self.looks: tuple[Look, ...] = ()
+        self.wet = self.snow_cover = 0.0
         self.thrust: Callable[[Body], float] | None = None
 
 

@@ -15,6 +15,7 @@ from morse.core.exceptions import MorseError
 from morse.core.observer import Observer
 from morse.core.reports.faults import class_name, place, summary
 from morse.core.reports.quoting import short
+from morse.helpers.air import Air
 from morse.viewer import page_messages as page
 from morse.viewer.describe import appearances, moving_nodes, pictured
 from morse.viewer.display import has_display
@@ -28,6 +29,8 @@ from morse.viewer.page_inputs import Commands, Rewinder, ServiceCalls
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import Snapshot
 from morse.viewer.view_messages import (
+    AirLook,
+    AirPart,
     Answer,
     FileMistake,
     Listening,
@@ -106,6 +109,25 @@ class EditsFeed:
             FileMistake(PurePath(one.path).name, one.line, printable(one.text)) for one in self._edits.mistakes.values()
         ]
         message = SavedFiles(mistakes, [PurePath(path).name for path in self._edits.waiting])
+        if message != self._last_message:
+            self._last_message = message
+            self._server.send(message)
+
+
+class AirFeed:
+    """Sends how the air looks, while it is not clear."""
+
+    def __init__(self, air: Air, server: ViewServer) -> None:
+        self._air = air
+        self._server = server
+        self._last_message = AirLook([], (0.0, 0.0, 0.0), 0.0, 0.0)
+
+    def update(self) -> None:
+        """Send it if it has changed."""
+        air = self._air
+        parts = [AirPart(**{**look._asdict(), "corners": list(look.corners)}) for look in air.looks]
+        wind = air.wind if parts else (0.0, 0.0, 0.0)
+        message = AirLook(parts, wind, float(air.wet), float(air.snow_cover))
         if message != self._last_message:
             self._last_message = message
             self._server.send(message)
@@ -229,6 +251,7 @@ class View(Observer):
             self._frustums,
             self._sounds,
             EditsFeed(simulation.edits, server),
+            AirFeed(context.server(Air), server),
             RecordingsFeed(simulation, server, possible=self.changeable),
             *([self._editor] if self.changeable else []),
         ]

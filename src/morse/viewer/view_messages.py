@@ -189,6 +189,30 @@ class SavedFiles(ServerMessage, frozen=True):
     waiting: list[str]
 
 
+class AirPart(Struct, frozen=True):
+    """How the air of a part of the world looks; see `morse.helpers.air.Look`."""
+
+    color: tuple[float, float, float]
+    extinction: float
+    overhead: float
+    rain: float
+    snow: float
+    corners: list[tuple[float, float]]
+    top: float | None
+
+
+class AirLook(ServerMessage, frozen=True):
+    """How the air looks, the mean wind in m/s, and the share of the ground with water and with snow.
+
+    The first part is the whole world but for the others; there is none if the air is clear.
+    """
+
+    parts: list[AirPart]
+    wind: tuple[float, float, float]
+    wet: float
+    snow_cover: float
+
+
 class DebugProperty(Struct, frozen=True):
     """A property of an object, with its value as text."""
 

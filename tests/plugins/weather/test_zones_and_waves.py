@@ -2,6 +2,7 @@
 
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
+from morse.helpers.air import Air
 from morse.plugins.weather.medium import Conditions
 from morse.plugins.weather.radio import (
     LIGHT,
@@ -18,6 +20,8 @@ from morse.plugins.weather.radio import (
     refractive_index_of_water,
 )
 from morse.plugins.weather.zones import Atmosphere, Zone
+from morse.viewer.live_view import AirFeed
+from morse.viewer.view_messages import AirLook
 from tests.kit.scenes import Load, script
 
 SQUARE = Zone("square", ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)), top=5.0)
@@ -402,6 +406,37 @@ def test_delayed_pictures_are_restored_with_what_the_weather_needs(load: Load):
     simulation.restore(state)
     simulation.step(6)
     assert np.array_equal(np.asarray(simulation.robot.camera.get()["image"]), after)
+
+
+def test_views_are_told_how_the_air_looks_when_it_changes(load: Load):
+    """The extinction of Koschmieder, in each part of the world; nothing while the air is clear."""
+    simulation = load("""
+robot = FakeRobot()
+env = Environment("empty")
+env.weather(wind=(2.0, 0.0))
+env.weather(zone="valley", area=[(5, 5), (9, 9)], height=2.0)
+""")
+    sent: list[AirLook] = []
+    feed = AirFeed(simulation.context.server(Air), SimpleNamespace(send=sent.append))
+
+    def look() -> AirLook | None:
+        sent.clear()
+        simulation.step(2)
+        feed.update()
+        feed.update()
+        assert len(sent) <= 1
+        return sent[0] if sent else None
+
+    assert look() is None
+    simulation.rpc("weather", "set", {"fog": 50.0}, 0.0, "valley")
+    outside, valley = look().parts
+    assert (outside.extinction, outside.corners) == (0.0, [])
+    assert math.exp(-valley.extinction * 50.0) == pytest.approx(0.05, rel=2e-3)
+    assert sorted(valley.corners) == [(5.0, 5.0), (5.0, 9.0), (9.0, 5.0), (9.0, 9.0)]
+    assert valley.top == 2.0
+    assert look() is None
+    simulation.rpc("weather", "set", {"fog": None}, 0.0, "valley")
+    assert look().parts == []
 
 
 def test_ice_is_slippery(load: Load):

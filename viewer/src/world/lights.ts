@@ -28,6 +28,9 @@ export class Lights {
   private lit = false;
   /** whether the world has a sun and other lamps */
   private mixed = false;
+  /** share of the light of the sun that clouds and fog scatter */
+  private clouds = 0;
+  private view: ViewDescription | null = null;
 
   constructor(scene: Scene) {
     this.sky.position.set(0, 0, 1);
@@ -77,9 +80,16 @@ export class Lights {
     return strongest.slice(MOST_LAMPS).map((node) => node.name);
   }
 
+  /** Cover the sun: shadows become weak, and the light comes from the whole sky. */
+  cloud(share: number): void {
+    this.clouds = share;
+    this.paint(this.view);
+  }
+
   paint(view: ViewDescription | null): void {
+    this.view = view;
     const dim = view?.daylight ?? 1;
-    this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85 * (this.mixed ? BESIDE.sun : 1);
+    this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85 * (this.mixed ? BESIDE.sun : 1) * (1 - 0.75 * this.clouds);
     const ambient = view?.ambient_color;
     this.sky.color.set(0xdfeeff);
     this.sky.groundColor.set(0xb9aea0);

@@ -2,6 +2,7 @@ import type { Material } from "three";
 import { DoubleSide, FrontSide, ImageLoader, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture } from "three";
 import { addressOf } from "../connection/tape";
 import type { MaterialDescription } from "../generated/protocol";
+import { expose } from "./air";
 
 type Rgba = [number, number, number, number];
 
@@ -57,6 +58,7 @@ export class MaterialStore {
       : new MeshStandardMaterial({ ...common, metalness: description.metallic, roughness: description.roughness });
     material.color.setRGB(r, g, b);
     material.emissive.setRGB(...description.emission);
+    expose(material);
     return material;
   }
 

@@ -1,5 +1,5 @@
 import type { Scene } from "three";
-import { BackSide, Color, Fog, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from "three";
+import { BackSide, Color, Fog, FogExp2, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from "three";
 import type { ViewDescription } from "../generated/protocol";
 
 const SKY = { horizon: 0xf4f8fb, zenith: 0x6ea6de, nadir: 0xc3cad0, glow: 0xfff1d6 };
@@ -15,7 +15,8 @@ void main() {
 }`;
 
 const fragment = /* glsl */ `
-uniform vec3 horizon, zenith, nadir, sun, glow;
+uniform vec3 horizon, zenith, nadir, sun, glow, air;
+uniform float overhead;
 varying vec3 direction;
 void main() {
   vec3 d = normalize(direction);
@@ -27,7 +28,19 @@ void main() {
   gl_FragColor = vec4(color, 1.0);
   #include <tonemapping_fragment>
   #include <colorspace_fragment>
+  // air that is not clear covers the sky, as it covers objects
+  if (overhead > 0.0) {
+    vec3 clear = sRGBTransferEOTF(gl_FragColor).rgb;
+    gl_FragColor = sRGBTransferOETF(vec4(mix(air, clear, exp(-overhead / max(d.z, 0.002))), 1.0));
+  }
 }`;
+
+/** Air that is not clear: the light that it scatters, its extinction (1/m), and the optical depth of all air above. */
+export interface Haze {
+  color: Color;
+  extinction: number;
+  overhead: number;
+}
 
 /** The sky: a gradient from the horizon up, with the mist that hides distant objects. */
 export class Sky {
@@ -37,7 +50,10 @@ export class Sky {
     nadir: { value: new Color() },
     glow: { value: new Color() },
     sun: { value: new Vector3(0, 0, 1) },
+    air: { value: new Color() },
+    overhead: { value: 0 },
   };
+  private haze: Haze | null = null;
   private readonly dome: Mesh;
   private view: ViewDescription | null = null;
   /** metres of water above the camera */
@@ -65,6 +81,16 @@ export class Sky {
 
   get horizon(): Color {
     return this.uniforms.horizon.value;
+  }
+
+  get submerged(): boolean {
+    return this.depth > 0;
+  }
+
+  /** Fill the air with fog, or clear it. */
+  fill(haze: Haze | null): void {
+    this.haze = haze;
+    this.paint(this.view, this.uniforms.sun.value);
   }
 
   /** The light for a camera at a height; returns whether it is under water. */
@@ -107,6 +133,12 @@ export class Sky {
     sun.value.copy(towardsSun);
     const mist = view?.mist;
     this.scene.fog = mist ? new Fog(horizon.value, mist.start, mist.start + mist.depth) : null;
+    const { air, overhead } = this.uniforms;
+    overhead.value = this.depth > 0 ? 0 : (this.haze?.overhead ?? 0);
+    if (this.haze) {
+      air.value.copy(this.haze.color).multiplyScalar(view?.daylight ?? 1);
+      this.scene.fog = new FogExp2(air.value, this.haze.extinction);
+    }
     if (this.depth > 0) this.dive();
   }
 }

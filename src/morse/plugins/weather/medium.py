@@ -96,6 +96,11 @@ class Conditions:
         fog = 0.0 if math.isinf(self.fog) else _fog(self.fog, wavelength)
         return fog + _DECIBEL / 1000.0 * (_rain(self.rain) + _snow(self.snow, wavelength)) + _DUST * self.dust
 
+    def overhead(self, wavelength: float = VISIBLE) -> float:
+        """Return the optical depth of the air above a camera."""
+        fog = 0.0 if math.isinf(self.fog) else _fog(self.fog, wavelength)
+        return fog * _FOG_LAYER + (self.extinction(wavelength) - fog) * _RAIN_LAYER
+
     def way_to_sky(self, rise: NDArray[np.float32], wavelength: float = VISIBLE) -> NDArray[np.float32]:
         """Return the lengths (N,) of air with the present extinction up to the sky, m.
 
@@ -104,8 +109,7 @@ class Conditions:
             wavelength: m.
         """
         whole = self.extinction(wavelength)
-        fog = 0.0 if math.isinf(self.fog) else _fog(self.fog, wavelength)
-        layer = (fog * _FOG_LAYER + (whole - fog) * _RAIN_LAYER) / whole if whole else _FAR_AWAY
+        layer = self.overhead(wavelength) / whole if whole else _FAR_AWAY
         return np.asarray(np.float32(layer) / np.maximum(rise, np.float32(layer / _FAR_AWAY)), np.float32)
 
     @property

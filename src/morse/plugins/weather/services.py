@@ -15,9 +15,10 @@ from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import closest
 from morse.core.services import service
 from morse.core.validation.arguments import Range
-from morse.helpers.air import Air
+from morse.helpers.air import Air, Look
 from morse.mathutils.portable import matmul
 from morse.plugins.weather import FIXED, IN_ZONES, PROPERTY, checked, radio
+from morse.plugins.weather.drawing import sky_in
 from morse.plugins.weather.medium import Conditions
 from morse.plugins.weather.zones import Atmosphere, is_number
 from morse.scene.extent import extent
@@ -185,7 +186,9 @@ class Weather(AbstractObject):
 
     def _follow(self, time: float) -> None:
         *within, outside = (plan.at(time) for plan in self._plans)
-        self.atmosphere = Atmosphere(outside, tuple(zip(self._zones, within, strict=True)))
+        before, self.atmosphere = self.atmosphere, Atmosphere(outside, tuple(zip(self._zones, within, strict=True)))
+        if before != self.atmosphere:
+            self._show()
         is_rain = any(one.rain for one in (outside, *within))
         self._air.radio_loss = self._radio_loss if is_rain else None
         self._air.radio_echo = self._radio_echo if is_rain else None
@@ -196,6 +199,18 @@ class Weather(AbstractObject):
         x, y = (part / flat for part in outside.wind[:2]) if flat else (1.0, 0.0)
         gust = (along * x - across * y, along * y + across * x, _UP * up)
         self._air.gust = tuple(outside.gusts * part for part in gust)  # type: ignore[assignment]
+
+    def _show(self) -> None:
+        """Tell views how the air looks, and the ground."""
+        outside, *within = (
+            Look(_colour(one), one.extinction(), one.overhead(), one.rain, one.snow) for one in self.atmosphere.media
+        )
+        parts = [
+            one._replace(corners=zone.corners, top=zone.top if math.isfinite(zone.top) else None)
+            for zone, one in zip(self._zones, within, strict=True)
+        ]
+        self._air.looks = () if self.atmosphere.is_clear else (outside, *parts)
+        self._air.wet, self._air.snow_cover = self.atmosphere.outside.wet, self.atmosphere.outside.snow_cover
 
     def _radio_loss(self, frequency: float, start: np.ndarray, ends: np.ndarray) -> np.ndarray:
         ways = ends - start
@@ -314,6 +329,11 @@ def outputs(filters: np.ndarray) -> tuple[float, float, float]:
     u, v, v_slow, w, w_slow = filters
     across, up = ((_ROOT * fast + (1.0 - _ROOT) * slow) / math.sqrt(2.0) for fast, slow in ((v, v_slow), (w, w_slow)))
     return float(u), float(across), float(up)
+
+
+def _colour(conditions: Conditions) -> tuple[float, float, float]:
+    red, green, blue = sky_in(conditions)
+    return red / 255.0, green / 255.0, blue / 255.0
 
 
 def _described(conditions: Conditions) -> dict[str, object]:
