@@ -185,7 +185,7 @@ class DataColumn:
         for row in rows:
             data = self._data_of(row)
             self._values[row] = None if self._values.dtype == object else 0
-            if all(np.size(data[name]) for name in self.layout.fields):
+            if all(type(data[name]) is float or np.size(data[name]) for name in self.layout.fields):
                 self.layout.fill(self._values, row, data)
 
     def update(self, rows: Iterable[int]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -62,8 +63,13 @@ def lasting_fields(cls: type) -> tuple[str, ...]:
 
 def is_overridden(component: Component) -> bool:
     """Whether an attribute of a component hides a method of its class."""
-    cls = type(component)
-    return any(isinstance(getattr(cls, name, None), FunctionType) for name in vars(component))
+    return not _methods_of(type(component)).isdisjoint(vars(component))
+
+
+@lru_cache(4096)
+def _methods_of(cls: type) -> frozenset[str]:
+    names = {name for base in cls.__mro__ for name in vars(base)}
+    return frozenset(name for name in names if isinstance(getattr(cls, name, None), FunctionType))
 
 
 def mark_of(cls: type, mark: str) -> Value:

@@ -52,7 +52,8 @@ _said: set[tuple[str, str]] = set()
 
 def scene_properties(node: Node) -> Properties:
     """Return a deep copy of the properties of a node."""
-    return {name: _copy(value) for name, value in node.properties.items()}
+    properties = node.properties
+    return {name: _copy(value) for name, value in properties.items()} if properties else {}
 
 
 def are_changed(properties: Properties, node: Node) -> bool:

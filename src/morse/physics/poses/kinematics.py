@@ -203,17 +203,14 @@ IN_GAP = 1
 
 def place_as_compiled(state: EngineState) -> None:
     """Set every slot to its pose in the scene."""
-    count = len(state.slots)
-    moving = state.moving
-    if len(state.compiled_poses) != count:
+    if len(state.compiled_poses[0]) != len(state.slots):
         turns = [tuple(float(v) for row in slot.pose.rotation for v in row) for slot in state.slots]
-        places = [tuple(map(float, slot.pose.position)) for slot in state.slots]
-        state.compiled_poses = list(zip(places, turns, map(rigid.quaternion, turns), strict=True))
-    places, turns, quaternions = map(list, zip(*state.compiled_poses, strict=True)) if count else ([], [], [])
-    state.positions = Rows(np.array(places, dtype=np.float64).reshape(-1, 3), moving)
-    state.rotations = Rows(np.array(turns, dtype=np.float64).reshape(-1, 9), moving)
+        places = np.array([slot.pose.position for slot in state.slots], np.float64).reshape(-1, 3)
+        state.compiled_poses = places, np.array(turns).reshape(-1, 9), list(map(rigid.quaternion, turns))
+    places, rotations, quaternions = state.compiled_poses
+    state.positions, state.rotations = Rows(places.copy(), state.moving), Rows(rotations.copy(), state.moving)
     state.relocated.clear()
-    state.quaternions = quaternions
+    state.quaternions = list(quaternions)
 
 
 def sync(state: EngineState) -> None:

@@ -357,7 +357,8 @@ class EngineState:
         engine_positions, engine_rotations: present poses of these slots in the engine; of all bodies, if they are not
             its first ones.
         engine_rows: bodies of these slots, or None if they are the first bodies.
-        compiled_poses: positions, rotations and quaternions of all slots in the scene, once they are needed.
+        compiled_poses: positions (N, 3), rotations (N, 9) and quaternions of all slots in the scene, once they are
+            needed.
         by_hand: slots that are only moved by explicit calls, because they have neither joints nor shapes.
         poses_before: positions (K, 3) and rotations (K, 9) of these slots at the beginning of the last tick of
             `morse.physics.gliding.passage.FreeRun`, which overwrites them.
@@ -490,7 +491,11 @@ class EngineState:
         self.poses_before = np.zeros((self.moving, 3)), np.zeros((self.moving, 9))
         self.stamp = 0
         self.displacements = 0
-        self.compiled_poses: list[tuple[Sequence[float], Sequence[float], Sequence[float]]] = []
+        self.compiled_poses: tuple[NDArray[np.float64], NDArray[np.float64], list[Sequence[float]]] = (
+            np.zeros((0, 3)),
+            np.zeros((0, 9)),
+            [],
+        )
         self.positions, self.rotations = Rows(np.zeros((0, 3))), Rows(np.zeros((0, 9)))
         self.quaternions: list[Sequence[float]] = []
         self.touched: set[int] = set()

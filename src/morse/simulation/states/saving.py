@@ -609,7 +609,8 @@ class _AtLaunch:
         self._lists = {name: list(value) for name, value in state.items() if _is_list(value) and uses[id(value)] == 1}
         self._poses = {name: (value, *value.get_pose()) for name, value in state.items() if _is_pose(value)}
         simple = {*self._plain, *self._tables, *self._lists, *self._poses}
-        self._rest = writer.part(component.name(), {name: state[name] for name in state if name not in simple})
+        rest = {name: state[name] for name in state if name not in simple}
+        self._rest = writer.part(component.name(), rest) if rest else None
         cls: type = type(component)
         self._absent = (declared(cls) or frozenset()) - state.keys()
 
@@ -623,7 +624,7 @@ class _AtLaunch:
         for name, value in self.written.items():
             component.bge_object[name] = value
         own = vars(component)
-        rest = reader.part(component.name(), self._rest, own, component)
+        rest = {} if self._rest is None else reader.part(component.name(), self._rest, own, component)
         for name in self._absent:
             own.pop(name, None)
         own.update(self._plain)
