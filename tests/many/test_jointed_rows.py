@@ -26,19 +26,21 @@ FIELDS = {
     "robot.pose": ("x", "z", "roll", "yaw"),
     "robot.laser": ("range_list",),
     "robot.imu": ("angular_velocity",),
+    "robot.velocity": ("world_linear_velocity", "angular_velocity", "linear_velocity"),
 }
 PLACES = [(0.0, 0.0, 0.0), (0.6, 0.5, 2.0), (-0.4, -0.5, 0.4, 0.3, 0.2, 1.0)]
 
 
 def meadow(control, model=MODEL):
     """A robot with three legs between walls, with sensors that are mounted apart."""
-    from morse.builder import IMU, Armature, ArmaturePose, Environment, Odometry, Pose, Robot, Sick
+    from morse.builder import IMU, Armature, ArmaturePose, Environment, Odometry, Pose, Robot, Sick, Velocity
 
     robot = Robot(str(model), name="robot")
     legs, laser, pose = Armature("legs", armature_name="spider_joints"), Sick("laser"), Pose("pose")
-    imu = IMU("imu")
-    imu.translate(0.0, 0.1, 0.0)
-    imu.rotate(0.3, 0.0, 0.2)
+    imu, velocity = IMU("imu"), Velocity("velocity")
+    for sensor in (imu, velocity):
+        sensor.translate(0.0, 0.1, 0.0)
+        sensor.rotate(0.3, 0.0, 0.2)
     legs.control(control)
     legs.properties(RotationSpeed=2.0)
     legs.append(ArmaturePose("angles"))
@@ -46,7 +48,7 @@ def meadow(control, model=MODEL):
     laser.properties(scan_window=40, resolution=10)
     laser.translate(0.05, 0.0, 0.1)
     pose.translate(0.1, 0.0, 0.05)
-    for part in (legs, laser, pose, imu, Odometry("odometry")):
+    for part in (legs, laser, pose, imu, velocity, Odometry("odometry")):
         robot.append(part)
     for number, wall in enumerate([(1.5, 0.0, 0.1, 1.5), (-1.5, 0.0, 0.1, 1.5)]):
         block(f"Wall{number}", *wall)
@@ -126,7 +128,7 @@ def test_rows_that_nobody_looks_at(script, control, scans, fields):
                         assert (array[row] == values).all(), name
         for row, sim in enumerate(alone):
             assert many.save(row)[0].hash() == sim.state_hash()
-            for part in ("legs", "pose", "laser", "imu", "odometry"):
+            for part in ("legs", "pose", "laser", "imu", "velocity", "odometry"):
                 assert repr(many[row].robot.parts[part].data) == repr(sim.robot.parts[part].data)
             assert many[row].robot.legs.angles.get_efforts() == sim.robot.legs.angles.get_efforts()
     for sim in alone:

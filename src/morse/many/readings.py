@@ -11,10 +11,11 @@ from morse.core.rows.rows import SensorRows
 from morse.kernel.batched import Courses, Lanes
 from morse.kernel.joints import Gathered
 from morse.kernel.rays import Hits
-from morse.mathutils.rotations import turn, turn_back
+from morse.mathutils.rotations import turn
 from morse.physics.engine_rows import EngineRows
 from morse.physics.poses.snapshot import Mountings, PoseRows, Snapshot
 from morse.physics.rays.bundle import RayBundle, Scan, Sight
+from morse.sensors.motion_sensor import MotionSensor, velocities_at
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,7 +46,7 @@ def reading_of(column: DataColumn) -> Reading | None:
         return PoseReading(column, columns) if layout.is_numeric_in((*columns.fields, _TIME)) else None
     if layout.dtype == np.float64 and hasattr(cls, "joint_places"):
         return JointReading(column)
-    return RateReading(column) if layout.dtype.kind == "f" and hasattr(cls, "rate_place") else None
+    return VelocityReading(column) if layout.dtype.kind == "f" and issubclass(cls, MotionSensor) else None
 
 
 class Reading:
@@ -158,31 +159,32 @@ class _MountedReading(Reading):
         return _Moment(states.positions[rows, slots], states.rotations[rows, slots], self._chosen[1])
 
 
-class RateReading(_MountedReading):
-    """Rates of turn of the robot, in the frame of the sensor."""
+class VelocityReading(_MountedReading):
+    """Velocities of the robot; see `morse.sensors.motion_sensor.velocities_at`."""
 
     def __init__(self, column: DataColumn) -> None:
         super().__init__(column)
-        #: places of the rates among the speeds of the engine
-        self._places = np.zeros((len(column.handles), 3), np.intp)
+        #: places of velocity and rates of turn among the speeds of the engine
+        self._places = np.zeros((len(column.handles), 6), np.intp)
 
     def _add(self, row: int, simulation: Simulation, states: States, component: Any, entry: SensorRows) -> bool:
-        place = component.rate_place(self._fields)
+        place = component.twist_place(self._fields)
         if place is None or not isinstance(states, EngineRows):
             return False
-        self._places[row] = range(place, place + 3)
+        self._places[row] = range(place, place + 6)
         self._mount(row, component, entry)
         return True
 
     def update(self, rows: NDArray[np.int64], states: States, times: NDArray[np.float64]) -> None:
-        """Turn the speeds of the engine as `Bodies.velocity` and the sensor do."""
+        """Compute them of the speeds of the engine as `Bodies.velocity` and the sensor do."""
         assert isinstance(states, EngineRows)
         moment = self._moment(rows, states)
         speeds: Any = states.speeds[rows[:, None], self._places[rows]].T
         here: Any = moment.group_rotations.T
         rotations: Any = [numbers[0] for numbers in moment.poses_at([moment])[1]]
-        own = np.stack(turn_back(rotations, turn(here, speeds)), axis=-1)[:, None]
-        self._column.put(rows, {**dict.fromkeys(self._fields, own), _TIME: times[:, None]})
+        velocities = velocities_at(rotations, speeds[:3], turn(here, speeds[3:]))
+        data = {name: np.stack(velocities[name], axis=-1)[:, None] for name in self._fields}
+        self._column.put(rows, {**data, _TIME: times[:, None]})
 
 
 class PoseReading(_MountedReading):

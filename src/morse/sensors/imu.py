@@ -254,6 +254,7 @@ class IMU(MotionSensor):
     add_property(
         "_correlation_time", 100.0, "BiasCorrelationTime", "float", "Correlation time of the biases", unit="s", low=1e-3
     )
+    velocity_fields = frozenset(("angular_velocity",))
     add_kind("imu", angular_velocity="angular_velocity", linear_acceleration="linear_acceleration")
     add_kind("magnetic_field", topic="mag", when=_has_magnetometer, field="magnetic_field")
 
@@ -313,15 +314,6 @@ class IMU(MotionSensor):
     def may_wait(self) -> bool:
         """Return False with errors, which depend on all earlier measurements."""
         return super().may_wait() and not (self._has_gyro_errors or self._has_accel_errors)
-
-    def rate_place(self, fields: Sequence[str]) -> int | None:
-        """Return where the world keeps the rates of turn of the robot, if the fields are these rates alone, else None.
-
-        They are in the axes of the robot.
-        """
-        if list(fields) != ["angular_velocity"] or self._has_gyro_errors or not self._is_by_velocity:
-            return None
-        return self.robot_parent.bge_object.rate_place
 
     @on_read
     def measure(self) -> None:

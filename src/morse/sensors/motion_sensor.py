@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_property, add_state
@@ -64,6 +64,9 @@ class MotionSensor(Sensor):
     add_state("_linear", tuple, "Linear velocity at the last measurement", unit="m/s")
     add_state("_angular", tuple, "Angular velocity at the last measurement", unit="rad/s")
 
+    #: the fields that `velocities_at` returns
+    velocity_fields: ClassVar[frozenset[str]] = frozenset()
+
     _computation_mode: str
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
@@ -115,6 +118,15 @@ class MotionSensor(Sensor):
         position, rotation = self.position_3d.get_pose()
         return tuple(position), tuple(rotation)
 
+    def twist_place(self, fields: Sequence[str]) -> int | None:
+        """Return where the world keeps the velocity of the robot, if it determines these fields, else None.
+
+        See `morse.core.world.Body.twist_place` and `velocities_at`.
+        """
+        if not set(fields) <= self.velocity_fields or not (self._is_by_velocity and self._is_on_robot):
+            return None
+        return self.robot_parent.bge_object.twist_place
+
     def motion(self) -> Motion:
         """Return the motion at the measurement; call it once per measurement.
 
@@ -153,6 +165,22 @@ class MotionSensor(Sensor):
         (x, y, z), (cx, cy, cz) = rates[0], cross(angular, linear)
         self._time, self._pose, self._linear, self._angular = now, pose, linear, angular
         return Motion(linear, angular, (x + cx, y + cy, z + cz), rates[1])
+
+
+def velocities_at(
+    rotation: Sequence[float], linear: Sequence[float], angular: Sequence[float]
+) -> dict[str, Sequence[float]]:
+    """Return data of a sensor by field; of many sensors at once, if all numbers are arrays.
+
+    Args:
+        rotation: 9, row by row, from the axes of the sensor to those of the world.
+        linear, angular: velocity in the axes of the world, m/s and rad/s.
+    """
+    return {
+        "linear_velocity": turn_back(rotation, linear),
+        "angular_velocity": turn_back(rotation, angular),
+        "world_linear_velocity": linear,
+    }
 
 
 def changed(

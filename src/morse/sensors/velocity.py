@@ -3,8 +3,7 @@
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.rows.marks import on_read
 from morse.helpers.components import add_data, add_kind
-from morse.mathutils.rotations import turn_back
-from morse.sensors.motion_sensor import MotionSensor
+from morse.sensors.motion_sensor import MotionSensor, velocities_at
 
 _ZERO = [0.0, 0.0, 0.0]
 
@@ -23,6 +22,7 @@ class Velocity(MotionSensor):
     add_data("linear_velocity", _ZERO, "vec3<float>", "Velocity", unit="m/s", frame="own", shape=3)
     add_data("angular_velocity", _ZERO, "vec3<float>", "Angular velocity", unit="rad/s", frame="own", shape=3)
     add_data("world_linear_velocity", _ZERO, "vec3<float>", "Velocity", unit="m/s", frame="world", shape=3)
+    velocity_fields = frozenset(("linear_velocity", "angular_velocity", "world_linear_velocity"))
     add_kind("twist", linear="linear_velocity", angular="angular_velocity")
 
     @on_read
@@ -30,7 +30,5 @@ class Velocity(MotionSensor):
         """Measure the velocities."""
         motion = self.motion()
         rotation = self.position_3d.get_pose()[1]
-        data = self.local_data
-        data["linear_velocity"] = list(turn_back(rotation, motion.linear))
-        data["angular_velocity"] = list(turn_back(rotation, motion.angular))
-        data["world_linear_velocity"] = list(motion.linear)
+        velocities = velocities_at(rotation, motion.linear, motion.angular)
+        self.local_data.update((name, list(value)) for name, value in velocities.items())

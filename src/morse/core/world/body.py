@@ -107,8 +107,11 @@ class BodyNames(Protocol):
         """Set the angular velocity, rad/s."""
 
     @property
-    def rate_place(self) -> int | None:
-        """Number of its rate of turn about x among the speeds of the engine; None unless it moves freely."""
+    def twist_place(self) -> int | None:
+        """Number of the first of its six speeds in the engine; None unless it moves freely.
+
+        These are the velocity of its origin in the axes of the world, and the rates of turn in its own axes.
+        """
 
     def applyForce(self, force: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Apply a force at the centre of mass during the next tick, N."""

@@ -351,10 +351,11 @@ class GameObject(LegacyNames):
         return linear, angular
 
     @property
-    def rate_place(self) -> int | None:
-        """See `morse.core.world.Body.rate_place`."""
+    def twist_place(self) -> int | None:
+        """See `morse.core.world.Body.twist_place`."""
         slot = self._world.slots[self.slot]
-        return slot.dof + 3 if slot.frame.motion is Motion.FREE and slot.dof >= 0 else None
+        is_free = slot.frame.motion is Motion.FREE and slot.dof >= 0 and not self.mounting.is_apart
+        return slot.dof if is_free else None
 
     def set_velocity(self, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
         """Set the velocity of its body in world axes; None keeps the present velocity."""
