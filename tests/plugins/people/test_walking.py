@@ -197,7 +197,7 @@ def test_steps_have_the_walk_ratio():
     for _ in range(60 * 10):
         position = position + TICK * velocity
         gait.step(TICK, position, velocity, np.zeros((1, 2)))
-        soles, _ = gait.poses(position, velocity, np.ones(1, dtype=bool), 0.0, np.zeros(1, dtype=bool))
+        soles, _ = gait.poses(position, velocity, np.ones(1, dtype=bool), np.zeros((1, 3)), np.zeros(1, dtype=bool))
         heights.append(min(soles[1:, 2]))
     assert gait.phase[0] == pytest.approx(13.4 / 0.72, rel=0.05)
     assert np.abs(heights).max() < 0.02

@@ -83,6 +83,7 @@ class Lift(Robot):
         height: of the cabin, m.
         speed: m/s; ``acceleration``: m/s².
         hold: how long the doors stay open, s.
+        capacity: number of people of a crowd who ride at once; 0 for as many as have room.
 
     Raises:
         ValueError: a number is out of its range, or the floors are not above each other.
@@ -100,6 +101,7 @@ class Lift(Robot):
         speed: float = 1.0,
         acceleration: float = 0.8,
         hold: float = 5.0,
+        capacity: int = 0,
     ) -> None:
         floors = [checks.number(level, "Lift(levels)") for level in several(levels, "Lift(levels)", "(0.0, 3.5)")]
         if not 2 <= len(floors) <= _MOST_LEVELS or floors[0] != 0.0:
@@ -123,6 +125,7 @@ class Lift(Robot):
             "Speed": checks.number(speed, "Lift(speed)", minimum=0.05, maximum=20.0),
             "Acceleration": checks.number(acceleration, "Lift(acceleration)", minimum=0.05, maximum=10.0),
             "Hold": checks.number(hold, "Lift(hold)", minimum=0.0, maximum=1e6),
+            "Capacity": min(checks.integer(capacity, "Lift(capacity)", minimum=0), 1000),
         }
         from morse.plugins.facilities.panels import lift_places, panel
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 _MOST = 5000
 #: m^2 that a standing person needs: 6 people on 1 m^2
 _ROOM = 1.0 / 6.0
+#: most floors; m between two of them, at least
+_MOST_FLOORS, _STOREY = 20, 2.0
 _MODELS = ("social-force", "orca")
 _ENDS = ("leave", "stay", "repeat", "queue", "sit")
 #: m; an area is at most that far from the origin
@@ -42,6 +45,9 @@ class Crowd(Robot):
             walk as they have walked, whatever is in their way.
         rate: frames in a second of that file; None for what the file says, or else for rows 0.4 s apart.
         repeat: s, after which the trajectories begin again; 0 for never.
+        floors: heights of the floors on which people walk, above the position of the crowd, m; the first one is 0.
+            Lifts of the scene that stop on them carry people between them. Goals and areas on another floor than the
+            first one have points with three coordinates.
 
     Raises:
         ValueError: a number is out of its range.
@@ -64,6 +70,7 @@ class Crowd(Robot):
         recorded: str | None = None,
         rate: float | None = None,
         repeat: float = 0.0,
+        floors: Iterable[float] = (0.0,),
     ) -> None:
         # `from morse.builder import *` loads no numpy
         import numpy as np
@@ -86,6 +93,7 @@ class Crowd(Robot):
             "Radius": checks.number(radius, "Crowd(radius)", minimum=0.1, maximum=1.0),
             "Groups": checks.share(groups, "Crowd(groups)"),
         }
+        heights_of_floors = _floors(floors)
         super().__init__("", name)
         self._tracks: list[list[list[float]]] = []
         self._repeat = checks.number(repeat, "Crowd(repeat)", minimum=0.0, maximum=1e6)
@@ -100,6 +108,7 @@ class Crowd(Robot):
         self._watched: list[tuple[Any, float]] = []
         node = self.scene_node
         node.properties.update(values)
+        node.properties["Floors"] = json.dumps(heights_of_floors)
         rides, small = round(kinds["wheelchairs"] * number), round(kinds["children"] * number)
         heights = []
         for person in range(number):
@@ -140,9 +149,10 @@ class Crowd(Robot):
         Several calls let people begin in several areas, in the order of the calls.
 
         Args:
-            area: corners (V, 2) of a polygon, m; a rectangle may be given by two opposite corners.
+            area: corners (V, 2) of a polygon, m; a rectangle may be given by two opposite corners. On other floors,
+                (V, 3) with the height of the floor in the world, m.
             count: number of people; None for those that no other call has.
-            places: exact places (x, y) in place of an area, one for each person.
+            places: exact places (x, y) or (x, y, z) in place of an area, one for each person, on one floor.
             goals: their own goals, see `goals`.
             then: see `goals`.
             wait: see `goals`.
@@ -185,20 +195,21 @@ class Crowd(Robot):
         points = [_point(point, what) for point in _listed(places, what)]
         least = 2.0 * float(self.scene_node.properties["Radius"])  # type: ignore[arg-type]
         before: dict[tuple[int, int], list[list[float]]] = {}
-        for x, y in points:
+        for x, y, *height in points:
             cell = (math.floor(x / least), math.floor(y / least))
             near = [one for i in (-1, 0, 1) for j in (-1, 0, 1) for one in before.get((cell[0] + i, cell[1] + j), ())]
-            for u, v in near:
+            for u, v, *_ in near:
                 if math.hypot(x - u, y - v) < least:
                     raise ValueError(f"{what}: ({x:g}, {y:g}) and ({u:g}, {v:g}) overlap: bodies are {least:g} m broad")
-            before.setdefault(cell, []).append([x, y])
+            before.setdefault(cell, []).append([x, y, *height])
         return points
 
     def goals(self, goals: Iterable[object], then: str | Iterable[object] = "stay", wait: float = 0.0) -> None:
         """Set the goals of all people whose `start` has none; each person goes to one after the other.
 
         Args:
-            goals: points (x, y), areas (lists of three or more points), or names of objects of the world.
+            goals: points (x, y), areas (lists of three or more points), or names of objects of the world. Points on
+                other floors than the first one are (x, y, z), with the height of the floor in the world, m.
             then: after the last one: ``stay`` there, ``leave`` the world, or ``repeat`` from the first one. ``queue``:
                 the last goal is a counter, in front of which they stand in line; each takes ``wait`` seconds there,
                 goes back to where people begin, and leaves. ``sit``: the goals are seats; each person sits on one, for
@@ -274,27 +285,30 @@ def _goal(goal: object, what: str) -> object:
         items = list(goal)  # type: ignore[call-overload]
     except TypeError:
         raise TypeError(f"{what} takes points (x, y), areas or names, got {checks.shown(goal)}") from None
-    if len(items) == 2 and not hasattr(items[0], "__iter__"):
+    if len(items) in (2, 3) and not hasattr(items[0], "__iter__"):
         return _point(items, what)
     return _polygon(items, what)
 
 
 def _point(point: Any, what: str) -> list[float]:
-    if not hasattr(point, "__iter__") or isinstance(point, str) or len(list(point)) != 2:
-        raise ValueError(f"{what} takes points (x, y), got {checks.shown(point)}")
-    x, y = (checks.number(value, what) for value in point)
-    if max(abs(x), abs(y)) > _FAR:
+    values = list(islice(point, 4)) if hasattr(point, "__iter__") and not isinstance(point, str) else []
+    if len(values) not in (2, 3):
+        raise ValueError(f"{what} takes points (x, y), or (x, y, z) on other floors, got {checks.shown(point)}")
+    place = [checks.number(value, what) for value in values]
+    if max(abs(one) for one in place) > _FAR:
         raise ValueError(f"{what} takes points up to {_FAR:g} m from the origin, got {checks.shown(point)}")
-    return [x, y]
+    return place
 
 
 def _polygon(area: Any, what: str) -> list[list[float]]:
     if not hasattr(area, "__iter__") or isinstance(area, str):
         raise TypeError(f"{what} takes the corners of a polygon, got {checks.shown(area)}")
     points = [_point(point, what) for point in area]
-    if len(points) == 2:
-        (a, b), (c, d) = points
-        points = [[a, b], [c, b], [c, d], [a, d]]
+    if len(points) == 2 and len(points[0]) == len(points[1]):
+        (a, b, *height), (c, d, *_) = points
+        points = [[a, b, *height], [c, b, *height], [c, d, *height], [a, d, *height]]
+    if len({tuple(one[2:]) for one in points}) != 1:
+        raise ValueError(f"{what} is on one floor: all its points have the same height, got {checks.shown(area)}")
     if len(points) < 3 or len(points) > 1000:
         raise ValueError(f"{what} takes 2 opposite or at least 3 corners, got {len(points)}")
     if not _size(points) > 1e-3:
@@ -304,9 +318,21 @@ def _polygon(area: Any, what: str) -> list[list[float]]:
 
 def _size(points: Sequence[Sequence[float]]) -> float:
     total = 0.0
-    for (x, y), (u, v) in zip(points, [*points[1:], points[0]], strict=True):
+    for (x, y, *_), (u, v, *_) in zip(points, [*points[1:], points[0]], strict=True):
         total += x * v - u * y
     return math.fabs(total) / 2.0
+
+
+def _floors(heights: Iterable[float]) -> list[float]:
+    what = "Crowd(floors)"
+    if not hasattr(heights, "__iter__") or isinstance(heights, str):
+        raise TypeError(f"{what} takes heights such as (0.0, 3.5), got {checks.shown(heights)}")
+    found = [checks.number(one, what, minimum=-_FAR, maximum=_FAR) for one in islice(heights, _MOST_FLOORS + 1)]
+    if not 1 <= len(found) <= _MOST_FLOORS or found[0] != 0.0:
+        raise ValueError(f"{what} takes 1 to {_MOST_FLOORS} heights of which the first is 0, got {found[:5]}")
+    if any(upper - lower < _STOREY for lower, upper in pairwise(sorted(found))):
+        raise ValueError(f"{what}: floors are at least {_STOREY:g} m above each other, got {found}")
+    return found
 
 
 def _schedule(entries: Iterable[object], what: str, plan: Callable[[Any, str], dict[str, Any]]) -> list[Any]:

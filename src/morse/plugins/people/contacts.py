@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.world import Body
+    from morse.plugins.people.floors import Floors
     from morse.scene import Node
 
     Floats = NDArray[np.float64]
@@ -86,6 +87,15 @@ class Footprint(NamedTuple):
     low: float
     high: float
     discs: Floats
+
+
+class Strangers(NamedTuple):
+    """People of another crowd on a floor of this one: places (M, 2) on the plane, m, velocities, m/s, radii (M,), m."""
+
+    position: Floats
+    velocity: Floats
+    radius: Floats
+    floor: int
 
 
 class Mover(NamedTuple):
@@ -205,6 +215,8 @@ _LEAVES = 1.0
 _REACHES_DOORS = 1.6
 #: m, height of what people step onto without noticing
 _FLAT = 0.05
+#: m: people and doors that are so near to a floor are on it
+_SAME_FLOOR = 1.0
 
 
 class Touch(NamedTuple):
@@ -237,27 +249,39 @@ class Surroundings:
     Args:
         context: of the simulation.
         crowd: name of the robot that the crowd is.
-        floor: height on which people walk, m.
+        floors: on which people walk.
         shares: names of robots, and which share of the people sees them.
         alert: (N,) who sees a robot: those below its share.
     """
 
     def __init__(
-        self, context: Context, crowd: str, floor: float, shares: Mapping[str, float], alert: Callable[[], Floats]
+        self, context: Context, crowd: str, floors: Floors, shares: Mapping[str, float], alert: Callable[[], Floats]
     ) -> None:
-        self.context, self.crowd, self.floor, self.shares = context, crowd, floor, shares
+        self.context, self.crowd, self.floors, self.shares = context, crowd, floors, shares
         self._alert = alert
         self._movers: list[Mover] | None = None
         self._arrangement = -1
 
-    def crowds(self) -> list[Walkers]:
-        """Return the people of the other crowds."""
+    def crowds(self) -> list[Strangers]:
+        """Return the people of the other crowds, on the floors of this one."""
         found = []
         for name, robot in self.context.robots.items():
             walkers = getattr(robot, "walkers", None)
-            if name != self.crowd and isinstance(walkers, Walkers):
-                found.append(walkers)
+            if name == self.crowd or not isinstance(walkers, Walkers):
+                continue
+            rows, places = np.flatnonzero(walkers.present), np.asarray(robot.local_data["positions"])
+            if len(places) != len(walkers.present):
+                continue  # it has not begun
+            for floor in range(self.floors.count):
+                apart = np.abs(places[rows, 2] - self.floors.heights[floor])
+                here = rows[(apart < _SAME_FLOOR) & self.floors.within(places[rows, :2])]
+                position = places[here, :2] + self.floors.shift[floor]
+                found.append(Strangers(position, walkers.velocity[here], walkers.radius[here], floor))
         return found
+
+    def people_on(self, floor: int) -> list[Floats]:
+        """Return the places (M, 2) of the people of other crowds on a floor, on the plane, m."""
+        return [one.position for one in self.crowds() if one.floor == floor]
 
     def forget(self) -> None:
         """Look at all things again."""
@@ -301,21 +325,30 @@ class Surroundings:
 
     def outlines(self) -> list[Floats]:
         """Return the outlines (V, 2) of what may move and is as high as people, at its present places, m."""
+        return [one for floor in range(self.floors.count) for one in self.outlines_on(floor)]
+
+    def outlines_on(self, floor: int) -> list[Floats]:
+        """Return those of them that are on a floor."""
         found = []
         for mover in self.movers():
             place, turn = mover.body.world_pose()
-            if self._is_met(mover, place[2]):
+            if self._is_met(mover, place[2], floor) and self.floors.within(np.array([place[:2]]))[0]:
                 x, y = mover.print.outline.T
                 flat = [turn[0] * x + turn[1] * y + place[0], turn[3] * x + turn[4] * y + place[1]]
-                found.append(hull(np.stack(flat, axis=1)))
+                found.append(hull(np.stack(flat, axis=1) + self.floors.shift[floor]))
         return found
 
-    def _is_met(self, mover: Mover, height: float) -> bool:
-        low, high = (height + part - self.floor for part in (mover.print.low, mover.print.high))
-        return low < HEIGHT and high > _FLAT
+    def _is_met(self, mover: Mover, height: float, area: int) -> bool:
+        low, high = (height + part - self.floors.heights[area] for part in (mover.print.low, mover.print.high))
+        return bool(low < HEIGHT and high > _FLAT)
 
-    def open_doors(self, walkers: Walkers) -> None:
-        """Let people open the doors to which they walk: robots with a service ``open`` and a field ``openness``."""
+    def open_doors(self, walkers: Walkers, area: NDArray[np.intp]) -> None:
+        """Let people open the doors to which they walk: robots with a service ``open`` and a field ``openness``.
+
+        Args:
+            walkers: people.
+            area: (N,) on which floor each of them is.
+        """
         rows: NDArray[np.intp] | None = None
         for robot in self.context.robots.values():
             data = robot.local_data
@@ -325,11 +358,10 @@ class Surroundings:
             if rows is None:
                 rows = np.flatnonzero(walkers.present & (walkers.wanted != 0.0).any(axis=1))
             place = robot.bge_object.world_pose()[0]
-            if abs(place[2] - self.floor) > 1.0:
-                continue
-            apart = np.array([place[0], place[1]]) - walkers.position[rows]
+            apart = np.array([place[0], place[1]]) - (walkers.position[rows] - self.floors.shift[area[rows]])
             towards = (apart * walkers.wanted[rows]).sum(axis=1)
-            if ((towards > 0.0) & ((apart * apart).sum(axis=1) < _REACHES_DOORS**2)).any():
+            beside = np.abs(place[2] - self.floors.heights[area[rows]]) <= _SAME_FLOOR
+            if (beside & (towards > 0.0) & ((apart * apart).sum(axis=1) < _REACHES_DOORS**2)).any():
                 call()
 
     def seen(self, count: int) -> Others:
@@ -337,46 +369,60 @@ class Surroundings:
         position, velocity, radius, seen = [], [], [], []
         for mover in self.movers():
             place, turn = mover.body.world_pose()
-            if not self._is_met(mover, place[2]):
+            met = [floor for floor in range(self.floors.count) if self._is_met(mover, place[2], floor)]
+            if not met or not self.floors.within(np.array([place[:2]]))[0]:
                 continue
             linear, angular = mover.body.velocity()
-            for x, y, r in mover.print.discs.tolist():
-                dx, dy = turn[0] * x + turn[1] * y, turn[3] * x + turn[4] * y
-                position.append((place[0] + dx, place[1] + dy))
-                velocity.append((linear[0] - angular[2] * dy, linear[1] + angular[2] * dx))
-                radius.append(r)
-                seen.append(mover.seen)
+            for shift in self.floors.shift[met].tolist():
+                for x, y, r in mover.print.discs.tolist():
+                    dx, dy = turn[0] * x + turn[1] * y, turn[3] * x + turn[4] * y
+                    position.append((place[0] + dx + shift[0], place[1] + dy + shift[1]))
+                    velocity.append((linear[0] - angular[2] * dy, linear[1] + angular[2] * dx))
+                    radius.append(r)
+                    seen.append(mover.seen)
         places, speeds = [np.reshape(position, (-1, 2))], [np.reshape(velocity, (-1, 2))]
         radii, sights = [np.array(radius)], [np.reshape(seen, (-1, count)).T]
         for there in self.crowds():
-            rows = there.present
-            places.append(there.position[rows])
-            speeds.append(there.velocity[rows])
-            radii.append(there.radius[rows])
-            sights.append(np.ones((count, int(rows.sum())), dtype=bool))
+            places.append(there.position)
+            speeds.append(there.velocity)
+            radii.append(there.radius)
+            sights.append(np.ones((count, len(there.radius)), dtype=bool))
         columns = [np.concatenate(parts) for parts in (places, speeds, radii)]
         return Others(columns[0], columns[1], columns[2], np.concatenate(sights, axis=1).astype(bool))
 
     def touch(
-        self, walkers: Walkers, heights: Floats, touching: dict[str, tuple[float, float, float]]
+        self,
+        walkers: Walkers,
+        area: NDArray[np.intp],
+        heights: Floats,
+        touching: dict[str, tuple[float, float, float]],
     ) -> list[dict[str, Any]]:
         """Let people and things that touch push each other; return the contacts.
 
         Args:
             walkers: people, whose pushes are set, and who are moved out of what they stand in.
+            area: (N,) on which floor, or in which cabin, each of them is.
             heights: (N,) m.
             touching: contacts that last, `Touch` by the names of both, which is changed.
         """
         contacts: list[dict[str, Any]] = []
         alive: dict[str, tuple[float, float, float]] = {}
         present = np.flatnonzero(walkers.present)
+        floor, shift = self.floors.heights[area[present]], self.floors.shift[area[present]]
         for mover in self.movers():
             place, _ = mover.body.world_pose()
             outer = float(np.sqrt((mover.print.outline**2).sum(axis=1)).max())
-            apart = walkers.position[present] - np.array([place[0], place[1]])
+            apart = walkers.position[present] - shift - np.array([place[0], place[1]])
             reach = outer + walkers.radius[present] + 0.1
-            for person in present[(apart * apart).sum(axis=1) < reach * reach].tolist():
-                contact = self._contact(mover, person, walkers, float(heights[person]), touching, alive)
+            near = (apart * apart).sum(axis=1) < reach * reach
+            if self.floors.count > 1:
+                # who rides in a cabin touches no wall of it
+                rides = (area[present] >= self.floors.count) & is_placed(mover.body.node)
+                near &= (place[2] + mover.print.low - floor < HEIGHT) & (place[2] + mover.print.high > floor) & ~rides
+            for person in present[near].tolist():
+                contact = self._contact(
+                    mover, person, int(area[person]), walkers, float(heights[person]), touching, alive
+                )
                 if contact is not None:
                     contacts.append(contact)
         touching.clear()
@@ -387,6 +433,7 @@ class Surroundings:
         self,
         mover: Mover,
         person: int,
+        area: int,
         walkers: Walkers,
         tall: float,
         before: Mapping[str, tuple[float, float, float]],
@@ -394,10 +441,11 @@ class Surroundings:
     ) -> dict[str, Any] | None:
         body, seconds = mover.body, 1.0 / self.context.clock.frequency
         place, turn = body.world_pose()
-        met = regions(place[2] + mover.print.low - self.floor, place[2] + mover.print.high - self.floor, tall)
+        floor = float(self.floors.heights[area])
+        met = regions(place[2] + mover.print.low - floor, place[2] + mover.print.high - floor, tall)
         if not met:
             return None
-        dx, dy = (walkers.position[person] - np.array([place[0], place[1]])).tolist()
+        dx, dy = (walkers.position[person] - self.floors.shift[area] - np.array([place[0], place[1]])).tolist()
         local = np.array([turn[0] * dx + turn[3] * dy, turn[1] * dx + turn[4] * dy])
         ways = ways_out(mover.print.outline, local)
         distance, touched, out = ways[0][0], ways[0][1].tolist(), ways[0][2].tolist()
@@ -459,15 +507,21 @@ class Places:
         ground: with the walls.
         outlines: (V, 2) of all else that people would stand in, m.
         crowds: other people, who are there already.
+        present: the people of the own crowd, who are there already.
     """
 
-    def __init__(self, ground: Ground, outlines: Iterable[Floats], crowds: Iterable[Walkers]) -> None:
+    def __init__(
+        self, ground: Ground, outlines: Iterable[Floats], crowds: Iterable[Strangers], present: Walkers | None = None
+    ) -> None:
         self._ground, self._outlines = ground, [one for one in outlines if len(one) > 2]
         self._taken = np.zeros((64, 3))
         self._count = 0
+        if present is not None:
+            for row in np.flatnonzero(present.present).tolist():
+                self.take(present.position[row], float(present.radius[row]))
         for crowd in crowds:
-            for row in np.flatnonzero(crowd.present).tolist():
-                self.take(crowd.position[row], float(crowd.radius[row]))
+            for place, radius in zip(crowd.position, crowd.radius.tolist(), strict=True):
+                self.take(place, radius)
 
     def take(self, place: Floats, radius: float) -> None:
         """Note that somebody of a radius (m) stands at a place (2,)."""

@@ -140,11 +140,18 @@ class Gait:
         self.heading = turned / np.sqrt((turned * turned).sum(axis=1))[:, None]
 
     def poses(
-        self, position: Floats, velocity: Floats, present: NDArray[np.bool_], floor: float, sits: NDArray[np.bool_]
+        self, position: Floats, velocity: Floats, present: NDArray[np.bool_], floor: Floats, sits: NDArray[np.bool_]
     ) -> tuple[Floats, Floats]:
         """Return positions (N + 2 L, 3) and quaternions (N + 2 L, 4) of trunks, left legs and right legs.
 
         L people have legs; the legs are in the order of these people. Who sits has the legs in front, on the ground.
+
+        Args:
+            position: (N, 2) m.
+            velocity: (N, 2) m/s.
+            present: (N,) who is in the world.
+            floor: (N, 3) m, from the plane on which people walk to the world.
+            sits: (N,) who sits.
         """
         yaw = _turned(self.heading[:, 0], self.heading[:, 1])
         hip = np.zeros(len(position))
@@ -185,7 +192,8 @@ class Gait:
         trunk = np.stack([position[:, 0], position[:, 1], hip], axis=1)
         places, turns = np.concatenate([trunk, *parts_p]), np.concatenate([yaw, *parts_q])
         hidden = np.concatenate([~present, ~present[walkers], ~present[walkers]])
-        places[:, 2] += np.where(hidden, floor - _BELOW, floor)
+        places += np.concatenate([floor, floor[walkers], floor[walkers]])
+        places[:, 2] -= np.where(hidden, _BELOW, 0.0)
         return places, turns
 
 

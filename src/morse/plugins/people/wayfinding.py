@@ -6,6 +6,7 @@ Both are read between the cells by bilinear interpolation, so that people walk s
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -143,6 +144,18 @@ class Way(NamedTuple):
     direction: Floats
 
 
+class Link(NamedTuple):
+    """Places of which each may be reached from each other one, other than on foot: the cabin of a lift on its floors.
+
+    Attributes:
+        cells: (S,) numbers of cells of the grid.
+        costs: (S, S) m, ways that last as long.
+    """
+
+    cells: NDArray[np.intp]
+    costs: Floats
+
+
 class Ground:
     """Walls and ways on a grid.
 
@@ -150,17 +163,22 @@ class Ground:
         polygons: convex walls (V, 2), m.
         low, high: corners (2,) of the area, m.
         radius: m, of those who walk.
+        floors: number of grounds of that size that are to be put `beside` each other.
 
     Attributes:
         cell: m.
         origin: (2,) m, centre of the first cell.
         shape: numbers of cells along Y and X.
         gap: (H, W) m, distance to the nearest wall, at most `FAR`.
+        links: between places, which ways use.
     """
 
-    def __init__(self, polygons: Sequence[Floats], low: Floats, high: Floats, radius: float = 0.25) -> None:
+    def __init__(
+        self, polygons: Sequence[Floats], low: Floats, high: Floats, radius: float = 0.25, floors: int = 1
+    ) -> None:
         size = np.maximum(np.asarray(high, dtype=np.float64) - low, 1.0)
-        self.cell = max(_CELL, math.sqrt(float(size[0] * size[1]) / _MOST))
+        self.cell = max(_CELL, math.sqrt(float(size[0] * size[1]) * floors / _MOST))
+        self.links: list[Link] = []
         self.origin = np.asarray(low, dtype=np.float64)
         self.shape = (int(size[1] / self.cell) + 2, int(size[0] / self.cell) + 2)
         self.radius = radius
@@ -174,6 +192,35 @@ class Ground:
         self.is_free[[0, -1]] = self.is_free[:, [0, -1]] = False
         narrow = np.clip((self.gap - radius) / max(_ROOM - radius, 0.05), 0.0, 1.0)
         self._slowness = 1.0 / (_NARROW + (1.0 - _NARROW) * narrow)
+
+    @property
+    def breadth(self) -> float:
+        """Extent along X, m, at which another ground may be put beside this one."""
+        return self.cell * self.shape[1]
+
+    @classmethod
+    def beside(cls, grounds: Sequence[Ground]) -> Ground:
+        """Return one ground of several ones of the same size, put side by side along X; nobody walks across the seams.
+
+        The first one stays where it is.
+        """
+        first = grounds[0]
+        if len(grounds) == 1:
+            return first
+        whole = copy.copy(first)
+        whole.gap = np.hstack([one.gap for one in grounds])
+        width, every = first.shape[1], np.arange(len(grounds))
+        whole.gap[:, np.concatenate([every * width, every * width + width - 1])] = 0.0
+        whole.shape = (first.shape[0], width * len(grounds))
+        whole.is_free = np.hstack([one.is_free for one in grounds])
+        whole._gradient = np.hstack([one._gradient for one in grounds])
+        whole._slowness = np.hstack([one._slowness for one in grounds])
+        return whole
+
+    def cell_at(self, point: Floats) -> int:
+        """Return the number of the free cell nearest to a point (2,), at most 0.5 m away; -1 if there is none."""
+        cells = np.flatnonzero(self.cells_beside(point, 0.5))
+        return int(cells[0]) if len(cells) else -1
 
     def _enter(self, polygon: Floats) -> None:
         rows, columns = self._window(polygon.min(axis=0) - FAR, polygon.max(axis=0) + FAR)
@@ -319,7 +366,7 @@ class Ground:
         time[start] = 0.0
         around = np.array([1, -1, width, -width])
         front = _unique((start[:, None] + around).ravel(), free)
-        while len(front):
+        while len(front) or len(front := self._linked(time, around, free)):
             a = np.minimum(time[front - 1], time[front + 1])
             b = np.minimum(time[front - width], time[front + width])
             low, high, step = np.minimum(a, b), np.maximum(a, b), slow[front]
@@ -332,6 +379,17 @@ class Ground:
             time[changed] = value[better]
             front = _unique((changed[:, None] + around).ravel(), free)
         return time.reshape(self.shape)
+
+    def _linked(self, time: Floats, around: NDArray[np.intp], free: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """Let links shorten the times (H W,); return the cells beside those that are nearer now."""
+        changed = []
+        for link in self.links:
+            through = (time[link.cells][None, :] + link.costs).min(axis=1)
+            better = through < time[link.cells] - 1e-6
+            time[link.cells[better]] = through[better]
+            changed.append(link.cells[better])
+        cells = np.concatenate(changed) if changed else np.zeros(0, dtype=np.intp)
+        return _unique((cells[:, None] + around).ravel(), free)
 
 
 def _unique(cells: NDArray[np.intp], free: NDArray[np.bool_]) -> NDArray[np.intp]:

@@ -43,6 +43,7 @@ class Lift(Robot, Facility):
     _speed: float
     _acceleration: float
     _hold: float
+    _capacity: int
     add_property("_levels", "[0.0, 3.5]", "Levels", "string", "Heights of the floors, m, as JSON",
                  written_by="Lift(levels=...)")  # fmt: skip
     add_property("_size", "[2.0, 1.8, 2.2]", "Size", "string", "Depth, width and height of the cabin, m, as JSON",
@@ -50,6 +51,8 @@ class Lift(Robot, Facility):
     add_property("_speed", 1.0, "Speed", "float", "Speed", unit="m/s", low=0.05, high=20.0)
     add_property("_acceleration", 0.8, "Acceleration", "float", "Acceleration", unit="m/s^2", low=0.05, high=10.0)
     add_property("_hold", 5.0, "Hold", "float", "Time for which its doors stay open", unit="s", low=0.0, high=1e6)
+
+    add_property("_capacity", 0, "Capacity", "int", "People who ride at once; 0 for as many as have room", low=0)
 
     add_state("_calls", list, "Floors that have called it")
     add_state("_until", float, "Time until which its doors stay open, s")
@@ -86,7 +89,7 @@ class Lift(Robot, Facility):
     def hold_doors(self, seconds: Annotated[float, Range(0.0, 3600.0, "s")]) -> None:
         """Keep the doors open for some time, if they are open."""
         if self.local_data["openness"] > 0.0:
-            self._until = self.clock.time + seconds
+            self._until = max(self._until, self.clock.time + seconds)
 
     def default_action(self) -> None:
         """Follow the calls."""

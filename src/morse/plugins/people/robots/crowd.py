@@ -19,8 +19,11 @@ from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.people.contacts import Places, Surroundings, can_touch
 from morse.plugins.people.errands import HERE, NEVER, STANDS_UP, Queue, line_back, phases, sit_down, steps_to
+from morse.plugins.people.floors import MOST_FLOORS, Floors
 from morse.plugins.people.gait import Gait
 from morse.plugins.people.recorded import FASTEST, Tracks, checked
+from morse.plugins.people.riding import ON_FOOT, Riding
+from morse.plugins.people.riding import WORDS as RIDES
 from morse.plugins.people.walking import Orca, SocialForce, Walkers, length
 from morse.plugins.people.wayfinding import Ground, Way, inside, walls
 from morse.scene import PhysicsType
@@ -131,6 +134,7 @@ class Crowd(Robot):
     _rides: int
     _plan: str
     _attention: str
+    _levels: str
     add_property("_model", "social-force", "Model", "string", "How people walk", choices=("social-force", "orca"))
     add_property("_free_speed", 1.34, "Speed", "float", "Mean of the free speeds", unit="m/s", low=0.0, high=10.0)
     add_property(
@@ -146,6 +150,9 @@ class Crowd(Robot):
                  written_by="Crowd.start(...) and Crowd.goals(...)")  # fmt: skip
     add_property("_attention", "{}", "Attention", "string", "Share of the people who see a robot, by its name, as JSON",
                  written_by="Crowd.avoids(robot, attention)")  # fmt: skip
+
+    add_property("_levels", "[0.0]", "Floors", "string", "Heights of the floors above the crowd, m, as JSON",
+                 written_by="Crowd(floors=...)")  # fmt: skip
 
     add_state("_touching", dict, "Contacts of people and robots: begin (s), overlap without force, overlap (m)")
     add_state("_reported", dict, "Contacts that were above the limit")
@@ -164,13 +171,19 @@ class Crowd(Robot):
         if len(trunks) != count:
             raise MorseError(f"{self.name()} has {len(trunks)} bodies and {count} heights: scripts write both")
         self._seconds = 1.0 / self.clock.frequency
-        self._floor = float(obj.world_pose()[0][2])
+        levels = _json(self, "Floors", self._levels, list)
+        if not 1 <= len(levels) <= MOST_FLOORS or not all(isinstance(one, float | int) for one in levels):
+            raise MorseError(
+                f"{self.name()}: the property Floors has 1 to {MOST_FLOORS} heights: leave it as Crowd() writes it"
+            )
+        height = float(obj.world_pose()[0][2])
+        self.floors = Floors([height + float(one) for one in levels], self.context.scene)
         self._law = Orca() if self._model == "orca" else SocialForce()
         self._touching: dict[str, tuple[float, float, float]] = {}
         self._reported: dict[str, bool] = {}
         self._random = self.context.random(self.name())
         self._flows = self._read_plan()
-        self._around = Surroundings(self.context, self.name(), self._floor, self._shares, lambda: self.alert)
+        self._around = Surroundings(self.context, self.name(), self.floors, self._shares, lambda: self.alert)
         self.flow = np.full(count, -1, dtype=np.intp)
         self.stage = np.zeros(count, dtype=np.intp)
         self.mode = np.full(count, WALKS, dtype=np.intp)
@@ -183,6 +196,7 @@ class Crowd(Robot):
         radius = np.where(rides, np.maximum(0.38, self._radius), self._radius * np.minimum(heights / 1.7, 1.0) ** 0.5)
         self.ground = self._survey(float(radius.min(initial=1.0)))
         self.walkers = Walkers.at(self.ground, np.zeros((count, 2)), 0.0, radius)
+        self.riding = Riding(self.context, self.floors, self.ground, self._around, count)
         self.walkers.mass = _MASS * (heights / 1.75) ** 2 + np.where(rides, 20.0, 0.0)
         self._settle(heights)
         heading = self.walkers.wanted.copy()
@@ -238,8 +252,9 @@ class Crowd(Robot):
 
     def _survey(self, radius: float) -> Ground:
         """Return the ground around the starts and goals, with the walls of the scene."""
-        points: list[Floats] = [np.array(flow["area"]) for flow in self._flows]
-        points += [np.array(goal).reshape(-1, 2) for flow in self._flows for goal in self._places(flow)]
+        points: list[Floats] = [np.array(flow["area"])[:, :2] for flow in self._flows]
+        points += [np.atleast_2d(goal)[:, :2] for flow in self._flows for goal in self._places(flow)]
+        points += [shaft.world(shaft.slots) for shaft in self.floors.shafts]
         every = np.concatenate(points) if self._tracks is None else np.stack([self._tracks.low, self._tracks.high])
         low, high = every.min(axis=0) - _AROUND, every.max(axis=0) + _AROUND
         if float((high - low).max()) > 2000.0:
@@ -254,11 +269,33 @@ class Crowd(Robot):
             if node.body.collides:
                 (loose if moves else fixed).append(node)
             stack += [(child, moves) for child in node.children]
-        self._loose = walls(loose, self._floor, _FLAT)
-        return Ground(walls(fixed, self._floor), low, high, radius)
+        heights = self.floors.heights[: self.floors.count].tolist()
+        grounds = [
+            Ground([*walls(fixed, one), *self.floors.walls(floor)], low, high, radius, len(heights))
+            for floor, one in enumerate(heights)
+        ]
+        self.floors.spread(grounds[0].breadth, low, high)
+        self._loose = [
+            outline + shift
+            for one, shift in zip(heights, self.floors.shift, strict=False)
+            for outline in walls(loose, one, _FLAT)
+            if len(heights) == 1 or self.floors.within(outline).any()
+        ]
+        ground = Ground.beside(grounds)
+        self.floors.connect(ground)
+        for flow in self._flows:
+            flow["area"], flow["floor"] = self._on_plane(flow["area"])
+            flow["places"] = [self._on_plane(place)[0] for place in self._places(flow)]
+        return ground
+
+    def _on_plane(self, goal: Any) -> tuple[Any, int]:
+        try:
+            return self.floors.on_plane(goal)
+        except ValueError as error:
+            raise MorseError(f"{self.name()}: {error}") from None
 
     def _places(self, flow: dict[str, Any]) -> list[Any]:
-        """Return the goals of a flow as points and areas."""
+        """Return the goals of a flow as points and areas in the world."""
         found = []
         for goal in flow["goals"]:
             if isinstance(goal, str):
@@ -267,11 +304,14 @@ class Crowd(Robot):
                     raise MorseError(
                         f"{self.name()}: there is no object '{goal:.80}' to go to{nearest_name(goal, sorted(objects))}"
                     )
-                x, y, _ = objects[goal].world_pose()[0]
-                found.append([x, y])
+                x, y, z = objects[goal].world_pose()[0]
+                found.append([x, y] if self.floors.count == 1 else [x, y, self._floor_below(z)])
             else:
                 found.append(goal)
         return found
+
+    def _floor_below(self, height: float) -> float:
+        return float(self.floors.heights[self.floors.floor_of(height)])
 
     def _way_to(self, goal: Any) -> Way | None:
         """Return the way to a point or an area; None if nobody can stand there."""
@@ -305,6 +345,7 @@ class Crowd(Robot):
             rows = np.arange(begin, begin + flow["count"])
             begin += len(rows)
             self.flow[rows] = number
+            self.riding.area[rows] = flow["floor"]
             flow["ways"] = self._ways_of(flow)
             if flow["then"] == "sit":
                 self.stage[rows] = np.arange(len(rows)) % len(flow["goals"])
@@ -341,21 +382,21 @@ class Crowd(Robot):
     def _ways_of(self, flow: dict[str, Any]) -> list[Way]:
         if flow.get("is_own"):
             # where there are walls, they go to what remains
-            flow["goals"] = [
-                goal for goal, place in zip(flow["goals"], self._places(flow), strict=True) if self._way_to(place)
-            ]
+            open_ones = [self._way_to(place) is not None for place in flow["places"]]
+            flow["goals"] = [goal for goal, is_open in zip(flow["goals"], open_ones, strict=True) if is_open]
+            flow["places"] = [place for place, is_open in zip(flow["places"], open_ones, strict=True) if is_open]
             flow["then"] = flow["then"] if flow["goals"] else "stay"
         ways = []
-        for goal, place in zip(flow["goals"], self._places(flow), strict=True):
+        for goal, place in zip(flow["goals"], flow["places"], strict=True):
             way = self._way_to(place)
             if way is None:
                 raise MorseError(f"{self.name()}: nobody can stand at the goal {goal!r:.80}: it is within a wall")
             ways.append(way)
         if flow["then"] == "queue":
-            counter = np.array(self._places(flow)[-1]).reshape(-1, 2).mean(axis=0)
+            counter = np.array(flow["places"][-1]).reshape(-1, 2).mean(axis=0)
             spots = line_back(self.ground, ways[-1], np.array(flow["area"]).mean(axis=0), counter, self._count)
             flow["queue"] = Queue(spots, float(flow["wait"]))
-        flow["seats"] = [np.array(place).reshape(-1, 2).mean(axis=0) for place in self._places(flow)]
+        flow["seats"] = [np.array(place).reshape(-1, 2).mean(axis=0) for place in flow["places"]]
         if flow["then"] in ("queue", "sit"):
             area = np.array(flow["area"])
             home = self._way_to(area.mean(axis=0).tolist() if flow["exact"] else flow["area"])
@@ -451,23 +492,41 @@ class Crowd(Robot):
             self._enter()
             self._advance()
             self._look_ahead()
-            self._around.open_doors(walkers)
+            if self.floors.shafts:
+                self.riding.plan(walkers, np.isin(self.mode, (WALKS, SENT)), self._way_of, self._move)
+            self._around.open_doors(walkers, self.riding.area)
             others = self._around.seen(self._count)
             self._touch()
             before = walkers.position
             walkers.step(self._seconds, self._law, others)
+            carried = self.riding.carried()
+            walkers.position[carried], walkers.velocity[carried] = before[carried], 0.0
             sits = np.flatnonzero(self.mode == SITS)
             walkers.position[sits] = sit_down(before[sits], self.target[sits], self._seconds)
             walkers.velocity[sits] = 0.0
         self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted)
         self._show()
 
+    def _way_of(self, person: int) -> Way | None:
+        """Return the way on which a person is; None if there is none."""
+        if self.mode[person] == SENT:
+            return self._way_to(self.target[person].tolist())
+        ways = self._flows[self.flow[person]]["ways"]
+        return ways[self.stage[person]] if ways else None
+
+    def _move(self, people: NDArray[np.intp], area: int) -> None:
+        """Put people who enter or leave a cabin to another part of the plane."""
+        shift = self.floors.shift[area] - self.floors.shift[self.riding.area[people]]
+        self.walkers.position[people] += shift
+        self.gait.feet[people] += shift[:, None, :]
+        self.riding.area[people] = area
+
     def _enter(self) -> None:
         """Let those enter whose time has come and for whom there is room."""
         due = np.flatnonzero((self.mode == OUTSIDE) & (self.until <= self.clock.time))
         if not len(due):
             return
-        places = Places(self.ground, self._around.outlines(), [self.walkers, *self._around.crowds()])
+        places = Places(self.ground, self._around.outlines(), self._around.crowds(), self.walkers)
         for row in due.tolist():
             doors, radius = self._doors[row], float(self.walkers.radius[row])
             free = np.flatnonzero(places.are_open(doors, radius) & places.are_free(doors, radius, 0.1))
@@ -584,7 +643,9 @@ class Crowd(Robot):
     def _touch(self) -> None:
         """Let people and things that touch push each other, and tell of those that do so too hard."""
         data = self.local_data
-        data["contacts"] = contacts = self._around.touch(self.walkers, self.gait.height, self._touching)
+        data["contacts"] = contacts = self._around.touch(
+            self.walkers, self.riding.area, self.gait.height, self._touching
+        )
         for key in self._reported.keys() - {f"{one['person']} {one['robot']}" for one in contacts}:
             del self._reported[key]
         for one in contacts:
@@ -602,7 +663,9 @@ class Crowd(Robot):
         walkers, data = self.walkers, self.local_data
         here = length(walkers.position - self.target) < HERE
         sits = (self.mode == SITS) & here & ~self._leaves(np.arange(self._count))
-        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, self._floor, sits))
+        area = self.riding.area
+        lift = np.column_stack([-self.floors.shift[area], self.floors.heights[area]])
+        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, lift, sits))
         changed = np.flatnonzero(self._shown != walkers.present)
         if len(changed):
             legged = np.cumsum(~self.gait.rides) - 1
@@ -615,9 +678,8 @@ class Crowd(Robot):
                 for part in own:
                     self._bodies[part].setVisible(is_here)
             self._shown = walkers.present.copy()
-        floor = np.full(self._count, self._floor)
-        data["positions"] = np.column_stack([walkers.position, floor])
-        data["velocities"] = np.column_stack([walkers.velocity, np.zeros(self._count)])
+        data["positions"] = np.column_stack([walkers.position + lift[:, :2], lift[:, 2]])
+        data["velocities"] = np.column_stack([walkers.velocity, self.riding.speeds()])
         data["present"] = walkers.present.copy()
         data["groups"] = walkers.group.astype(np.int32)
 
@@ -632,13 +694,18 @@ class Crowd(Robot):
             "name": self._bodies[person].name,
             "id": person,
             "group_id": int(walkers.group[person]),
-            "position": [*walkers.position[person].tolist(), self._floor],
-            "velocity": [*walkers.velocity[person].tolist(), 0.0],
+            "position": self.local_data["positions"][person].tolist(),
+            "velocity": self.local_data["velocities"][person].tolist(),
             "yaw": math.atan2(float(heading[1]), float(heading[0])),
             "radius": float(walkers.radius[person]),
             "desired_velocity": float(walkers.free_speed[person]),
-            "state": _WORDS[self.mode[person]],
+            "state": self._word(person),
         }
+
+    def _word(self, person: int) -> str:
+        """Return what a person does."""
+        ride = int(self.riding.ride[person])
+        return RIDES[ride] if ride != ON_FOOT else _WORDS[self.mode[person]]
 
     # -- services --------------------------------------------------------------------------
 
@@ -657,53 +724,63 @@ class Crowd(Robot):
         if self._tracks is not None:
             raise MorseRPCInvokationError(f"{self.name()} follows recorded trajectories: it obeys nobody")
 
-    def _demand_way(self, x: float, y: float) -> Way:
+    def _demand_way(self, x: float, y: float, floor: int) -> tuple[Way, list[float]]:
+        """Return the way to a place of a floor, and the place on the plane."""
         if not np.isfinite([x, y]).all():
             raise MorseRPCInvokationError(f"the place ({x}, {y}) is not finite")
+        if not 0 <= floor < self.floors.count:
+            raise MorseRPCInvokationError(f"{self.name()} has the floors 0 to {self.floors.count - 1}, not {floor}")
+        shape = self.ground.shape
         low = self.ground.origin
-        high = low + self.ground.cell * (np.array([self.ground.shape[1], self.ground.shape[0]]) - 1)
+        high = low + self.ground.cell * (np.array([shape[1] // self.floors.count, shape[0]]) - 1)
         if not (low[0] <= x <= high[0] and low[1] <= y <= high[1]):
             raise MorseRPCInvokationError(
                 f"({x:g}, {y:g}) is outside the ground of {self.name()}: x {low[0]:g} to {high[0]:g} m, "
                 f"y {low[1]:g} to {high[1]:g} m"
             )
-        way = self._way_to([float(x), float(y)])
+        place = (np.array([float(x), float(y)]) + self.floors.shift[floor]).tolist()
+        way = self._way_to(place)
         if way is None:
             raise MorseRPCInvokationError(f"nobody can stand at ({x:g}, {y:g}), or within {_BESIDE:g} m of it")
-        return way
+        return way, place
 
     @service
-    def send(self, person: _Person, x: Position, y: Position) -> None:
+    def send(self, person: _Person, x: Position, y: Position, floor: int = -1) -> None:
         """Send a person to a place, where it stands until it is released by `resume`.
 
         Args:
             person: number of the person.
             x: metres, in the world.
             y: metres, in the world.
+            floor: number of the floor; -1 for that on which the person is.
         """
         self._obey()
         self._check(person)
-        way = self._demand_way(x, y)
+        if floor < 0:
+            height = float(self.floors.heights[self.riding.area[person]])
+            floor = self.floors.floor_of(height)
+        way, place = self._demand_way(x, y, floor)
         if math.isinf(float(self.ground.time(way, self.walkers.position[[person]])[0])):
             raise MorseRPCInvokationError(f"person {person} cannot reach ({x:g}, {y:g}): walls are between")
-        self.target[person], self.mode[person] = (x, y), SENT
+        self.target[person], self.mode[person] = place, SENT
 
     @service
-    def call(self, x: Position, y: Position, count: _Person = 1) -> list[int]:
+    def call(self, x: Position, y: Position, count: _Person = 1, floor: int = 0) -> list[int]:
         """Call the nearest people to a place; return their numbers, those with the shortest way first.
 
         Args:
             x: metres, in the world.
             y: metres, in the world.
             count: number of people.
+            floor: number of the floor.
         """
         self._obey()
-        way = self._demand_way(x, y)
+        way, place = self._demand_way(x, y, floor)
         rows = np.flatnonzero(self.walkers.present)
         time = self.ground.time(way, self.walkers.position[rows])
         order = np.argsort(time, kind="stable")
         chosen = rows[order[np.isfinite(time[order])]][:count]
-        self.target[chosen], self.mode[chosen] = (x, y), SENT
+        self.target[chosen], self.mode[chosen] = place, SENT
         return [int(row) for row in chosen]
 
     @service
@@ -735,7 +812,9 @@ class Crowd(Robot):
 
     @service(changes=False)
     def ask(self, person: _Person) -> dict[str, Any]:
-        """Return what a person does: state, position and velocity (x, y), free speed, group, height.
+        """Return what a person does: state, position and velocity (x, y), floor, free speed, group, height.
+
+        The floor is -1 for somebody who rides in a lift.
 
         Args:
             person: number of the person.
@@ -746,8 +825,9 @@ class Crowd(Robot):
             )
         walkers = self.walkers
         return {
-            "state": _WORDS[self.mode[person]],
-            "position": walkers.position[person].tolist(),
+            "state": self._word(person),
+            "position": self.local_data["positions"][person, :2].tolist(),
+            "floor": int(self.riding.area[person]) if self.riding.area[person] < self.floors.count else -1,
             "velocity": walkers.velocity[person].tolist(),
             "free_speed": float(walkers.free_speed[person]),
             "group": int(walkers.group[person]),
@@ -768,6 +848,7 @@ class Crowd(Robot):
                 name: getattr(self, name)
                 for name in ("flow", "stage", "mode", "until", "target", "came", "rank", "alert")
             },
+            **{name: getattr(self.riding, name) for name in ("area", "ride", "lift", "slot", "turn", "opened")},
         }
 
     def get_state(self) -> StateData:
@@ -796,7 +877,7 @@ class Crowd(Robot):
             raise StateError(f"the people of {self.name()} are where, or as, nobody can be")
         super().set_state(state)
         for name in arrays:
-            owner = next(one for one in (self.walkers, self.gait, self) if hasattr(one, name))
+            owner = next(one for one in (self.walkers, self.gait, self.riding, self) if hasattr(one, name))
             setattr(owner, name, people[name].copy())
         self.walkers.lag = people["lag"]
         self._around.forget()
@@ -806,7 +887,7 @@ class Crowd(Robot):
         """Whether the values of a state are possible."""
         flow, stage, group, lag = people["flow"], people["stage"], people["group"], people["lag"]
         stages = np.array([max(len(one["ways"]), 1) for one in self._flows] + [1])
-        heading = people["heading"]
+        heading, rides = people["heading"], self.riding.bounds()
         near = all(
             np.abs(people[name]).max(initial=0.0) < 1e6 for name in ("position", "feet", "target", "came", "planned")
         )
@@ -819,6 +900,9 @@ class Crowd(Robot):
             and ((stage >= 0) & (stage < stages[flow])).all()
             and ((group >= -1) & (group < self._count)).all()
             and (np.abs(people["rank"]) < 1e9).all()
+            and all(((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in rides.items())
+            and ((people["ride"] == ON_FOOT) == (people["lift"] < 0)).all()
+            and ((people["area"] < self.floors.count) | (people["area"] == self.floors.count + people["lift"])).all()
             and (np.abs((heading * heading).sum(axis=1) - 1.0) < 1e-6).all()
             and (np.abs(people["velocity"]) < 1e3).all()
             and ((people["phase"] >= 0.0) & (people["phase"] < 1e9)).all()
