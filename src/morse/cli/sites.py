@@ -6,13 +6,13 @@ import configparser
 import io
 import os
 import sys
-import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.cli.messages import CommandError, nearest
 from morse.system.regular_files import read_regular
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -168,19 +168,11 @@ class Sites:
             yield
 
     def _save(self) -> None:
-        # written to a temporary file and renamed, so that an interrupted command does not lose the other environments
+        # whole, so that an interrupted command does not lose the other environments
         text = io.StringIO()
         self._config.write(text)
         # the bytes of paths, also those that are not text in the locale of this process
-        content = os.fsencode(text.getvalue())
-        descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="config-")
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                file.write(content)
-            os.replace(temporary, self.path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        write_whole(self.path, os.fsencode(text.getvalue()))
 
 
 def registered() -> list[str]:

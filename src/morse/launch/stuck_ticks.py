@@ -7,12 +7,13 @@ import logging
 import math
 import signal
 import sys
-import sysconfig
 import threading
 import traceback
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
+
+from morse.core.reports.faults import is_users
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _OURS = Path(__file__).resolve().parents[1]
-_LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
 #: the files that call components, in ticks and when they are created, and an edited script; not imported before the
 #: script is executed
 _CALLERS = [
@@ -47,16 +47,9 @@ def user_line(frame: FrameType | None) -> str | None:
         file = one.f_code.co_filename
         if file in _CALLERS:
             below = True
-        elif below and _is_users(file):
+        elif below and not file.startswith("<") and is_users(file):
             inner = f"{file}:{line}, in {one.f_code.co_name}"
     return inner
-
-
-def _is_users(filename: str) -> bool:
-    path = Path(filename).resolve()
-    if filename.startswith("<") or path.is_relative_to(_OURS):
-        return False
-    return not path.is_relative_to(_LIBRARY) or "site-packages" in path.parts
 
 
 class StuckTicks:

@@ -15,6 +15,7 @@ from morse.core.reports.quoting import spreadsheet_cell
 from morse.many.run import RESERVED, is_row, name_of
 from morse.system.extras import install
 from morse.system.regular_files import RefusedFileError, is_regular, open_regular, read_regular
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -60,15 +61,6 @@ def read_facts(folder: str | os.PathLike[str]) -> Row:
         case {"axes": dict(), "runs": int()}:
             return dict(facts)
     raise ValueError(f"{path} is damaged: start the study again with the same folder, which writes it anew")
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file that appears whole or not at all; nothing that has its name is followed or opened."""
-    new = path.with_suffix(".new")
-    new.unlink(missing_ok=True)
-    with open(new, "x", encoding="utf-8", errors="backslashreplace") as file:
-        file.write(text)
-    os.replace(new, path)
 
 
 def _lines(path: Path) -> Iterator[Row]:

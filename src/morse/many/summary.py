@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.many.results import write_whole
 from morse.many.run import RESERVED, signature
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,11 +6,9 @@ import ctypes
 import logging
 import signal
 import sys
-import sysconfig
 import threading
 import traceback
 from concurrent.futures import thread as executors
-from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +33,6 @@ FAULTS = 3
 LIMIT, _GRACE = 5.0, 2.0
 #: interval between two checks, wall-clock seconds
 _INTERVAL = 0.05
-_LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
 
 
 class Overdue(BaseException):
@@ -137,14 +134,9 @@ def line_of(frame: FrameType | None) -> str:
         code = one.f_code
         if not owner and hasattr(one.f_locals.get("self"), "bge_object"):
             owner = f" ({name_of(one.f_locals['self'])})"
-        if place == "an unknown line" and is_users(code.co_filename) and not _is_library(code.co_filename):
+        if place == "an unknown line" and not code.co_filename.startswith("<") and is_users(code.co_filename):
             place = f"{code.co_filename}:{number}, in {code.co_name}"
     return place + owner
-
-
-def _is_library(filename: str) -> bool:
-    path = Path(filename)
-    return filename.startswith("<") or (path.is_relative_to(_LIBRARY) and "site-packages" not in path.parts)
 
 
 def threads_left(status: int, leave: Callable[[int], object], limit: float = LIMIT) -> None:

@@ -247,6 +247,25 @@ scenario.always("distance > 0")
     assert "driving.py" in burnt.what[0]
 
 
+def test_texts_that_differ_in_each_run_are_not_a_thousand_kinds(script, tmp_path, monkeypatch):
+    monkeypatch.setattr("morse.plugins.falsify.report._MOST_PAGES", 0)
+    text = DRIVE.replace('return {"x"', 'return {"at": str(speed), "x"').replace("speed=0.5", "speed=1.5")
+    text = text.replace("uniform(0.1, 2.0)", "uniform(1.3, 2.0)")
+    scenario = script(text + 'scenario.always("x < 0.0")\n')
+    found = scenario.falsify(tmp_path / "r", runs=40, whole_budget=True, workers=0)
+    assert 20 <= len(found.failures) <= 21
+    assert {one.kind.partition(" (")[0] for one in found.failures} == {"robot.pose.x < 1.2", "x < 0.0"}
+    assert any("failed in other ways than the first 20: they are in the table alone" in one for one in found.remarks)
+
+
+def test_a_run_that_returns_everything_is_refused(script, tmp_path):
+    scenario = script(DRIVE.replace('return {"x"', 'return {"all": [0.0] * 100_000, "x"'))
+    with pytest.raises(
+        RequirementError, match=r"returns [\d,]+ characters, more than 65,536.*write the rest to a file"
+    ):
+        scenario.falsify(tmp_path / "r", runs=40, workers=0)
+
+
 def test_a_controller_that_hangs_is_a_failure(script, tmp_path):
     text = """
 def run(sim, speed=0.0):

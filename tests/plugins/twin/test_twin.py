@@ -13,6 +13,7 @@ import morse
 from morse.core.exceptions import MorseError
 from morse.many import Twin
 from morse.plugins.twin import command as twin_command
+from morse.plugins.twin import parameters
 from morse.plugins.twin.fit import relations
 from morse.plugins.twin.parameters import Parameter
 from morse.plugins.twin.replay import Simulations
@@ -119,6 +120,16 @@ def test_the_command(folder, capsys, monkeypatch):
     # the table that was written says the same
     again = Twin("drive.mcap", "scene.py", table=table)
     assert [str(link) for link in again.links] == [str(link) for link in Twin("drive.mcap", "scene.py").links]
+
+
+def test_the_help_has_names_of_parameters(folder):
+    """Those of a robot on wheels are parameters of the scene."""
+    words = set(re.findall(r"[\w.]+", twin_command.command.__doc__))
+    known = Twin(folder / "drive.mcap", folder / "scene.py")._named
+    for kind in ("mass", "friction", "wheel_radius", "track", "motion.lag", "motion.gain.v", "imu.delay", "imu.bias"):
+        assert kind in words
+        assert known.find([f"robot.{kind}"])
+    assert {f"elbow.{what}" for what in parameters._JOINT} < words
 
 
 def test_an_input_is_not_overwritten(folder, monkeypatch):

@@ -5,8 +5,8 @@ The error itself may be hostile: its methods may raise, or return any amount of 
 
 from __future__ import annotations
 
-import importlib
 import inspect
+import sysconfig
 import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 _OURS = Path(morse.__file__).resolve().parent
-#: what imports the modules of users
-_IMPORTS = Path(importlib.__file__).resolve().parent
+#: the folder of the standard library; packages may be installed in a folder of it
+_PYTHON, _PACKAGES = Path(sysconfig.get_path("stdlib")).resolve(), {"site-packages", "dist-packages"}
 #: largest number of characters of the message of an error, and of lines of user code that led to it
 _LONGEST, _MOST_LINES = 2000, 12
 #: what ends a program is not a fault of the part that raises it
@@ -30,18 +30,29 @@ ENDINGS = (KeyboardInterrupt, SystemExit)
 
 
 def user_frames(trace: TracebackType | None) -> list[traceback.FrameSummary]:
-    """Return the frames of a traceback that do not belong to the simulator."""
+    """Return the frames of a traceback that belong neither to the simulator nor to Python."""
     # chosen first, so that only files of users are read
     return _read([one for one in traceback.walk_tb(trace) if is_users(one[0].f_code.co_filename)])
 
 
 def is_users(filename: str) -> bool:
-    """Whether a file does not belong to the simulator."""
+    """Whether a file belongs neither to the simulator nor to Python."""
     try:
-        file = Path(filename).resolve()
-        return not (file.is_relative_to(_OURS) or file.is_relative_to(_IMPORTS) or filename.startswith("<frozen"))
+        return not Path(filename).resolve().is_relative_to(_OURS) and not is_of_python(filename)
     except (OSError, ValueError, RuntimeError):
         return True
+
+
+def is_of_python(filename: str) -> bool:
+    """Whether a file belongs to the standard library of Python.
+
+    Raises:
+        OSError, ValueError, RuntimeError: it is no name of a file.
+    """
+    if filename.startswith("<frozen"):
+        return True
+    file = Path(filename).resolve()
+    return file.is_relative_to(_PYTHON) and _PACKAGES.isdisjoint(file.relative_to(_PYTHON).parts)
 
 
 def _read(frames: list[tuple[FrameType, int]]) -> list[traceback.FrameSummary]:

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.reports.quoting import nearest
-from morse.many.results import write_whole
 from morse.plugins.falsify.expressions import FAR, RequirementError
 from morse.plugins.falsify.requirements import KIND, VERDICTS, violations
 from morse.plugins.falsify.search import SEARCHES, Archive, Search, is_known
 from morse.plugins.falsify.shrinking import Boundary, Shrinking
 from morse.plugins.falsify.space import halton
 from morse.system.regular_files import read_regular
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 #: what the folder belongs to
 FACTS = "scenario.json"
-#: kinds of failures that are made plain, and runs that each of them may take
+#: kinds of failures that are kept and made plain, and runs that each of them may take
 _MOST_KINDS, _MOST_STEPS = 20, 400
 #: proposals in a row that had all been tried, after which all cases are listed
 _MOST_REPEATED = 50
@@ -188,7 +188,7 @@ class Campaign:
         self._kinds: dict[str, Failure] = {}
         self._shrinking: set[str] = set()
         self._first_violations: set[str] = set()
-        self._turn = self._repeated = 0
+        self._turn = self._repeated = self._others = 0
         self._untried: list[_Point] | None = None
         self._session: Session
 
@@ -395,12 +395,15 @@ class Campaign:
             if failure is not None:
                 failure.runs += 1
                 continue
+            # texts may differ in each run; requirements are few
+            if len(self._kinds) >= _MOST_KINDS and self._first_violations.issuperset(violated(row)):
+                self._others += 1
+                continue
             self._kinds[kind] = Failure(kind, point, row, is_default=point == self._space.defaults)
             # whatever is required, a run that raises an error does not fulfil it
             is_alone = row["error"] and len(self._names) == 1
             self._first_violations.update(self._names if is_alone else violated(row))
-            if len(self._kinds) <= _MOST_KINDS:
-                self._shrink(self._kinds[kind])
+            self._shrink(self._kinds[kind])
 
     def _shrink(self, failure: Failure) -> None:
         """Let a failing case become plain."""
@@ -447,6 +450,11 @@ class Campaign:
         }
         self.found.failures = sorted(self._kinds.values(), key=lambda failure: distance[failure.kind])
         remarks = self.found.remarks
+        if self._others:
+            remarks.append(
+                f"{self._others:,} runs have failed in other ways than the first {_MOST_KINDS}: they are in the table "
+                "alone; do the texts of their results or errors differ from run to run?"
+            )
         # the run with the defaults is the case of all kinds that it shows
         by_default = next((failure for failure in self.found.failures if failure.is_default), None)
         if by_default is not None:
@@ -461,7 +469,7 @@ class Campaign:
 
     def _record(self) -> None:
         """Record the smallest case of each kind; one that does not repeat, twice."""
-        for failure in self.found.failures[:_MOST_KINDS]:
+        for failure in self.found.failures:
             row = self._recorded(failure)
             failure.recording, failure.repeats = row["recording"], row["same"]
             if row["same"] is False and row["recording"]:

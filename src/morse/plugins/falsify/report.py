@@ -17,9 +17,9 @@ from xml.sax.saxutils import quoteattr
 
 from morse.core.reports.quoting import escaped
 from morse.many import Table
-from morse.many.results import write_whole
 from morse.plugins.falsify.campaign import kinds_of, point_of, shown
 from morse.plugins.falsify.requirements import VERDICTS
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
     from morse.plugins.falsify.campaign import Failure, Found

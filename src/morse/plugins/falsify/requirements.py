@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 VERDICTS = "requirements"
 #: the column with the texts that a run returns: failures with different texts are of different kinds
 KIND = "kind"
-#: longest text of a result that tells kinds of failures apart
-LONGEST_TEXT = 80
+#: longest text of a result that tells kinds of failures apart, and of all of them
+LONGEST_TEXT, LONGEST_KIND = 80, 400
+#: largest size of the results of a run as JSON, characters: a search keeps those of thousands of runs
+LARGEST_RESULT = 1 << 16
 #: how a requirement is judged
 ALWAYS, EVENTUALLY, SIGNALS = "always", "eventually", "signals"
 #: names of what each run has, besides its parameters and results

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import json
 import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from morse.core.exceptions import MorseError
 from morse.core.reports.faults import describe
@@ -21,6 +24,8 @@ from morse.plugins.falsify.requirements import (
     ALWAYS,
     EVENTUALLY,
     KIND,
+    LARGEST_RESULT,
+    LONGEST_KIND,
     LONGEST_TEXT,
     SIGNALS,
     VERDICTS,
@@ -315,9 +320,20 @@ class Monitored:
         for name in (VERDICTS, KIND):
             if name in results:
                 raise RequirementError(f"a result cannot be called '{name}': it is another column of the table")
+        size = len(json.dumps(results, default=_numbers))
+        if size > LARGEST_RESULT:
+            raise RequirementError(
+                f"the run returns {size:,} characters, more than {LARGEST_RESULT:,}: return the numbers that "
+                "requirements need, and write the rest to a file"
+            )
         texts = {name: value for name, value in results.items() if isinstance(value, str) and value}
         kind = ", ".join(f"{name}={text:.{LONGEST_TEXT}}" for name, text in texts.items())
-        return {**results, VERDICTS: monitor.verdicts(results), KIND: kind}
+        return {**results, VERDICTS: monitor.verdicts(results), KIND: kind[:LONGEST_KIND]}
+
+
+def _numbers(value: object) -> object:
+    """Arrays as lists; others, which are no results, as text: the results are checked later."""
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
 
 
 def _anything(simulation: object, **parameters: object) -> None:

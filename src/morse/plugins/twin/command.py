@@ -57,8 +57,21 @@ def command(
 ) -> int:
     """Compare a scene with a log of the real robot, and fit parameters of the scene.
 
-    The recorded commands are replayed. Without --fit, the scene is compared as it is. Names of parameters are those of
-    the scene: mass, wheel_radius, friction, imu.bias, motion.lag, imu.place.yaw; a wrong name lists them.
+    The recorded commands are replayed. Without --fit, the scene is compared as it is. Names of parameters, here of a
+    robot with the actuator motion, the sensor imu, the joint elbow and the link upper; a wrong name lists those of the
+    scene:
+
+    * of robots: mass, friction, wheel_radius, track
+
+    * of joints and links: elbow.gain, elbow.slowing, elbow.damping, elbow.friction, elbow.inertia, elbow.stiffness,
+    upper.mass
+
+    * of actuators: motion.lag, motion.delay, motion.gain.v, motion.bias.w
+
+    * of sensors: imu.delay, imu.gain, imu.bias, imu.bias.angular_velocity.z
+
+    * of all: place.x to place.z, m, and place.roll to place.yaw, rad; each property that is a number, such as
+    motion.MaxAcceleration
     """
     # imported on demand, so that 'morse -h' does not load the simulator
     from morse.plugins.twin.twin import Twin

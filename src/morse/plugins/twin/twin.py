@@ -13,7 +13,6 @@ import numpy as np
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import nearest, quoted
 from morse.launch.load import described
-from morse.many.results import write_whole
 from morse.plugins.twin.comparison import Comparison, align
 from morse.plugins.twin.fit import Fit, Result
 from morse.plugins.twin.log import Log, read_log, summary
@@ -23,6 +22,7 @@ from morse.plugins.twin.parameters import Parameter, ParameterError, Parameters,
 from morse.plugins.twin.replay import Probe, Simulations, probe, without_noise
 from morse.plugins.twin.statistics import rms
 from morse.simulation.options import RunOptions
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

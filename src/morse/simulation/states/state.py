@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import tempfile
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, cast
@@ -14,8 +12,10 @@ import msgspec
 from morse.core.state import StateError
 from morse.system.packed_keys import check_keys
 from morse.system.regular_files import read_regular
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable, Mapping
 
     from morse.core.values import StateData
@@ -111,15 +111,7 @@ class State:
         Raises:
             OSError: the file cannot be written.
         """
-        target = Path(path)
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(self.to_bytes())
-            os.replace(temporary, target)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        write_whole(path, self.to_bytes())
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> State:

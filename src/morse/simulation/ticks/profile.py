@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING
+
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -124,10 +125,4 @@ class Profile:
             for kind, tid in threads.items()
         ]
         text = json.dumps({"traceEvents": names + events, "displayTimeUnit": "ms"})
-        # written to a temporary file and renamed, so that a full disk does not leave a partial file
-        part = path.with_name(f".{path.name}.{os.getpid()}")
-        try:
-            part.write_text(text, encoding="utf-8")
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        write_whole(path, text)
