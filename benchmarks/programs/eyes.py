@@ -138,25 +138,26 @@ class Scene:
                 for spent in in_turns(lambda: batch.render(self.states, self.camera), singles, repeats=1)
             ]
 
-    def rays(self, worlds: int) -> list[float]:
+    def rays(self, worlds: int, normals: bool = False) -> list[float]:
         """Processor time of rays at that many worlds, of ours and of MuJoCo, ms."""
         ways = np.random.default_rng(1).normal(size=(_RAYS, 3))
         ways /= np.linalg.norm(ways, axis=1, keepdims=True)
         point = self.model.stat.center + np.array([0.0, 0.0, 0.5 * self.model.stat.extent])
         ours, states = morse.Rays(self.model), self.states[:worlds]
         geoms, distances = np.zeros(_RAYS, np.int32), np.zeros(_RAYS)
+        sides = np.zeros(3 * _RAYS) if normals else None
 
         def theirs() -> None:
             for data in states:
                 mujoco.mj_multiRay(
-                    self.model, data, point, ways.ravel(), None, 1, -1, geoms, distances, None, _RAYS, 1e10
+                    self.model, data, point, ways.ravel(), None, 1, -1, geoms, distances, sides, _RAYS, 1e10
                 )
 
         theirs()
-        same = (ours.cast(states, point, ways).geoms[-1] == geoms).mean()
+        same = (ours.cast(states, point, ways, normals=False).geoms[-1] == geoms).mean()
         if same < 0.99:
             raise RuntimeError(f"{1 - same:.1%} of the rays hit other geoms than those of mj_multiRay")
-        return in_turns(lambda: ours.cast(states, point, ways), theirs, repeats=max(1, 8 // worlds))
+        return in_turns(lambda: ours.cast(states, point, ways, normals=normals), theirs, repeats=max(1, 8 // worlds))
 
 
 def _switch(renderer: Any, kind: str) -> None:
@@ -214,6 +215,8 @@ def measurements(scene: Scene) -> dict[str, list[float]]:
         f"128 x 128, of a batch of {_WORLDS}, and single": scene.batch(128),
         f"{_RAYS} rays, 1 world": scene.rays(1),
         f"{_RAYS} rays, {_WORLDS} worlds": scene.rays(_WORLDS),
+        f"{_RAYS} rays with normals, 1 world": scene.rays(1, normals=True),
+        f"{_RAYS} rays with normals, {_WORLDS} worlds": scene.rays(_WORLDS, normals=True),
     }
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import operator
+import weakref
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,13 +13,16 @@ import numpy as np
 
 from morse.eyes.renderer import check_model, check_state
 from morse.eyes.shapes import height_field
+from morse.kernel.loading import library
 from morse.kernel.rays import (
     BOX,
     CAPSULE,
     CYLINDER,
     ELLIPSOID,
     MESH,
+    PLANE,
     SPHERE,
+    GeomPoses,
     ModelTargets,
     TriangleMesh,
 )
@@ -31,6 +36,7 @@ _KINDS = {
     int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): ELLIPSOID,
     int(mujoco.mjtGeom.mjGEOM_CYLINDER): CYLINDER,
     int(mujoco.mjtGeom.mjGEOM_BOX): BOX,
+    int(mujoco.mjtGeom.mjGEOM_PLANE): PLANE,
 }
 
 
@@ -40,7 +46,7 @@ class RayHits(NamedTuple):
     Attributes:
         distances: (N, R) in lengths of the directions, m for unit vectors; -1 without a hit, as `mujoco.mj_multiRay`.
         geoms: (N, R) int32, id of the geom, -1 without a hit.
-        normals: (N, R, 3) unit normals of the surfaces, against the ray; 0 without a hit.
+        normals: (N, R, 3) unit normals of the surfaces, against the ray; 0 without a hit; (N, 0, 3) if not wanted.
     """
 
     distances: NDArray[np.float64]
@@ -83,21 +89,17 @@ class Rays:
             use &= groups.astype(bool)[np.clip(model.geom_group, 0, mujoco.mjNGROUP - 1)]
         if not flg_static:
             use &= model.body_weldid[model.geom_bodyid] > 0
-        is_plane = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
-        stands = (model.body_weldid == 0)[model.geom_bodyid]
-        numbers = np.flatnonzero(use & ~is_plane)
-        solids = [
-            (int(geom), *_solid(model, int(geom))) for geom in numbers[np.argsort(stands[numbers], kind="stable")]
-        ]
+        solids = [(int(geom), *_solid(model, int(geom))) for geom in np.flatnonzero(use)]
         solids = [row for row in solids if row[1] != MESH or row[3] is not None]
         geoms = np.array([row[0] for row in solids], np.intp)
         meshes = [row[3] for row in solids]
         of_faces = [np.zeros((0, 3)) if mesh is None else _normals_of(mesh) for mesh in meshes]
         boxes = [_box(row[1], row[2], mesh) for row, mesh in zip(solids, meshes, strict=True)]
-        planes = np.flatnonzero(use & is_plane)
+        #: the states of the last call, and where their poses are
+        self._last: tuple[list[weakref.ref[mujoco.MjData]], GeomPoses] = [], GeomPoses([])
         self._targets = ModelTargets(
+            library(),
             np.array([row[1] for row in solids], np.int32),
-            int((~stands[geoms]).sum()),
             geoms,
             bodies[geoms],
             np.array([row[2] for row in solids], np.float64).reshape(-1, 3),
@@ -106,8 +108,6 @@ class Rays:
             meshes,
             np.concatenate([np.zeros((0, 3)), *of_faces]),
             np.cumsum([0, *map(len, of_faces)]),
-            np.stack([planes, bodies[planes]], axis=1),
-            model.geom_size[planes, :2],
         )
 
     def cast(
@@ -118,6 +118,7 @@ class Rays:
         limit: float = math.inf,
         *,
         bodyexclude: int = -1,
+        normals: bool = True,
     ) -> RayHits:
         """Return the first hits.
 
@@ -127,6 +128,7 @@ class Rays:
             directions: (R, 3) or (N, R, 3); rays whose direction is 0 or not finite hit nothing.
             limit: largest distance, m.
             bodyexclude: body through whose geoms rays pass, -1 for none.
+            normals: whether to compute the normals; without them, `RayHits.normals` has no rows.
 
         Returns:
             Arrays (N, R, ...); without N for a single state.
@@ -135,10 +137,9 @@ class Rays:
             ValueError: the shapes do not fit, the limit is not greater than 0, there is no such body, or a state is one
                 of another model.
         """
-        several = isinstance(data, Sequence)
-        states = list(data) if isinstance(data, Sequence) else [data]
-        for state in states:
-            check_state(self._model, state)
+        several = not isinstance(data, mujoco.MjData) and isinstance(data, Sequence)
+        states = list(data) if several else [data]
+        poses = self._poses(states)
         if isinstance(limit, bool) or not isinstance(limit, (int, float, np.number)):
             raise TypeError(f"The limit of rays is a number, m, got {limit!r}.")
         if not limit > 0:
@@ -159,10 +160,20 @@ class Rays:
                 raise ValueError(
                     f"Points have the shape {shape}, {shape[1:]} or (3,), got {np.shape(points)}."
                 ) from None
-        hits = self._targets.cast(
-            [(state.geom_xpos, state.geom_xmat) for state in states], starts, ways, limit, int(bodyexclude)
-        )
+        hits = self._targets.cast(poses, starts, ways, limit, int(bodyexclude), normals)
         return RayHits(*hits) if several else RayHits(*(part[0] for part in hits))
+
+    def _poses(self, states: list[mujoco.MjData]) -> GeomPoses:
+        """The poses of states, which are found once for several calls with the same states."""
+        references, poses = self._last
+        known = [reference() for reference in references]
+        if len(known) == len(states) and None not in known and all(map(operator.is_, known, states)):
+            return poses
+        for state in states:
+            check_state(self._model, state)
+        poses = GeomPoses([(state.geom_xpos, state.geom_xmat) for state in states])
+        self._last = [weakref.ref(state) for state in states], poses
+        return poses
 
 
 def _alpha(model: mujoco.MjModel) -> NDArray[np.float64]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import struct
 from ctypes import c_double, c_int32, c_int64, c_void_p
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,11 +22,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-__all__ = ["Fan", "Hits", "ModelTargets", "Poses", "SolidArrays", "TriangleMesh", "ray_caster"]
+__all__ = ["Fan", "GeomPoses", "Hits", "ModelTargets", "Poses", "SolidArrays", "TriangleMesh", "ray_caster"]
 
 
 #: indices of the kinds of shapes in arrays
-BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID, MESH = range(6)
+BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID, MESH, PLANE = range(7)
 
 
 @dataclass(eq=False)
@@ -225,38 +226,19 @@ class ModelStructure(ctypes.Structure):
     """``Model`` of ``c/rays_model.c``."""
 
     _fields_ = (
-        *[(name, c_int32) for name in ("solids", "moving", "planes")],
+        ("solids", c_int64),
         *_addresses("kinds geoms bodies sizes centres halves meshes face_normals first_faces"),
-        *_addresses("plane_geoms plane_bodies plane_sizes"),
     )
 
 
 class _RoomStructure(ctypes.Structure):
     """``Room`` of ``c/rays_model.c``."""
 
-    _fields_ = (
-        *_addresses("boxes scratch"),
-        ("leaves", c_void_p * 2),
-        ("nodes", c_void_p * 2),
-        ("stood", c_void_p),
-        ("counts", c_int32 * 2),
-        ("is_known", c_int32),
-    )
+    _fields_ = _addresses("bundle bounds sorted")
 
 
-class ModelRaysStructure(ctypes.Structure):
-    """``ModelRays`` of ``c/rays_model.c``."""
-
-    _fields_ = (
-        *[(name, c_int64) for name in ("worlds", "rays", "part")],
-        *_addresses("positions turns points ways"),
-        *[(name, c_int64) for name in ("point_step", "point_world", "way_world")],
-        ("limit", c_double),
-        ("excluded", c_int64),
-        *_addresses("distances geoms normals rooms"),
-        ("next", c_int64),
-        ("arrived", c_int64),
-    )
+#: ``ModelRays`` of ``c/rays_model.c``; packed at once, which takes a third of the time of a structure of ctypes
+_MODEL_RAYS = struct.Struct("2q 4P 3q d q 4P 2q")
 
 
 #: number of rays that justify another thread
@@ -433,44 +415,57 @@ class NativeRays:
         return entry
 
 
-#: largest number of solids without a tree; ``FEW_SOLIDS`` of ``c/rays_model.c``
-_FEW_SOLIDS = 64
+#: bytes of ``Bundle`` of ``c/packets.h``, and of ``Bound`` of ``c/rays_model.c``
+_BUNDLE, _BOUND = np.dtype((np.void, 116864)), np.dtype((np.void, 20))
+#: number of rays that justify another thread, which takes 0.1 ms of processor time: at models of up to that many
+#: primitives, and at others
+_FEW_SOLIDS, _RAYS_AT_FEW, _RAYS_AT_MANY = 32, 50_000, 8_000
 
 
 class _Rooms:
-    """Memory of all threads of a call for the trees of many solids."""
+    """Memory of all threads of a call."""
 
-    def __init__(self, solids: int, moving: int) -> None:
+    def __init__(self, solids: int, workers: int) -> None:
         self._memory: list[NDArray[np.generic]] = []
-        self.rows = (_RoomStructure * threads.count())()
+        self.rows = (_RoomStructure * workers)()
         for row in self.rows:
-            boxes, scratch = np.empty((solids, 6), np.float32), np.empty(solids, np.int32)
-            stood = np.empty((solids - moving + 1, 12))
-            row.boxes, row.scratch, row.stood = addresses(boxes, scratch, stood)
-            self._memory += boxes, scratch, stood
-            for part, count in enumerate((moving, solids - moving)):
-                leaves, nodes = np.empty(count + 1, np.int32), aligned(max(count - 1, 1), NODE)
-                row.leaves[part], row.nodes[part] = addresses(leaves, nodes)
-                self._memory += leaves, nodes
+            arrays = aligned(1, _BUNDLE), aligned(solids + 1, _BOUND), aligned(solids + 1, _BOUND)
+            row.bundle, row.bounds, row.sorted = addresses(*arrays)
+            self._memory += arrays
+        self.address = ctypes.addressof(self.rows)
+        self.call = ctypes.create_string_buffer(_MODEL_RAYS.size)
+
+
+class GeomPoses:
+    """Where the poses of all geoms of some worlds are in memory, which has to stay as long as this is used.
+
+    Args:
+        poses: N times positions (G, 3), m, and rotations (G, 9).
+    """
+
+    def __init__(self, poses: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
+        self.count = len(poses)
+        self._places = (c_void_p * len(poses))(*[address(row[0]) for row in poses])
+        self._turns = (c_void_p * len(poses))(*[address(row[1]) for row in poses])
+        self.addresses = ctypes.addressof(self._places), ctypes.addressof(self._turns)
 
 
 class ModelTargets:
     """The geoms of a model of MuJoCo, of which rays hit some; poses are those of geoms in each world.
 
     Args:
-        kinds: (S,) of solids, `BOX` to `MESH`; those that move first.
-        moving: number of those that move; the others may move, too, which takes time.
-        geoms, bodies: (S,) numbers of their geoms and bodies.
-        sizes, centres, halves: (S, 3) see `SolidArrays`.
+        library: the kernel.
+        kinds: (S,) of solids, `BOX` to `PLANE`.
+        geoms: (S,) their geoms, in ascending order; bodies: (S,) the bodies of these.
+        sizes, centres, halves: (S, 3) see `SolidArrays`; sizes of planes are half widths, 0 for infinite ones.
         meshes: [S] see `SolidArrays`.
         normals: (F, 3) of the triangles of all meshes; first_faces: (S,) their first ones.
-        planes: (P, 2) int32, geoms and bodies of planes; plane_sizes: (P, 2) half widths, 0 for infinite ones.
     """
 
     def __init__(
         self,
+        library: ctypes.CDLL,
         kinds: NDArray[np.integer],
-        moving: int,
         geoms: NDArray[np.integer],
         bodies: NDArray[np.integer],
         sizes: NDArray[np.float64],
@@ -479,79 +474,71 @@ class ModelTargets:
         meshes: Sequence[TriangleMesh | None],
         normals: NDArray[np.float64],
         first_faces: NDArray[np.integer],
-        planes: NDArray[np.integer],
-        plane_sizes: NDArray[np.float64],
     ) -> None:
-        self._function = library().morse_rays_model
+        self._function = library.morse_rays_model
         count = len(kinds)
-        trees = [None if mesh is None else _tree_of(library(), mesh) for mesh in meshes]
+        trees = [None if mesh is None else _tree_of(library, mesh) for mesh in meshes]
         pointers = (ctypes.c_void_p * count)(
             *[None if tree is None else ctypes.addressof(tree.structure) for tree in trees]
         )
         numbers = [np.ascontiguousarray(values, np.int32) for values in (kinds, geoms, bodies)]
         shapes = [_rows(values, (count, 3)) for values in (sizes, centres, halves)]
-        rest: tuple[NDArray[np.generic], ...] = (
-            _rows(normals, (len(normals), 3)),
-            np.ascontiguousarray(first_faces, np.int64),
-            *[np.ascontiguousarray(planes[:, n], np.int32) for n in range(2)],
-            _rows(plane_sizes, (len(planes), 2)),
-        )
+        rest = _rows(normals, (len(normals), 3)), np.ascontiguousarray(first_faces, np.int64)
         self._keep = trees, pointers, numbers, shapes, rest
         self._structure = ModelStructure(
-            count, moving, len(planes), *addresses(*numbers, *shapes), ctypes.addressof(pointers), *addresses(*rest)
+            count, *addresses(*numbers, *shapes), ctypes.addressof(pointers), *addresses(*rest)
         )
-        #: memory for trees that no call uses at present
-        self._rooms: list[_Rooms] = []
+        self._address = ctypes.byref(self._structure)
+        self._rays_a_thread = _RAYS_AT_MANY if count > _FEW_SOLIDS or any(trees) else _RAYS_AT_FEW
+        #: memory that no call uses at present, for one thread and for all
+        self._rooms: tuple[list[_Rooms], list[_Rooms]] = [], []
 
     def cast(
         self,
-        poses: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
+        poses: GeomPoses,
         points: NDArray[np.float64],
         ways: NDArray[np.float64],
         limit: float,
         excluded: int,
+        with_normals: bool,
     ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
         """Return the first hits; several threads may call it at once.
 
         Args:
-            poses: N times positions (G, 3), m, and rotations (G, 9) of all geoms of a world.
+            poses: those of N worlds.
             points: (3,), (R, 3) or (N, R, 3), m; contiguous.
             ways: (R, 3) or (N, R, 3), of any length; contiguous.
             limit: largest distance, m.
             excluded: the body through which rays pass; -1 for none.
+            with_normals: whether to compute normals.
 
         Returns:
             (N, R) distances in lengths of the ways, -1 without a hit; (N, R) numbers of geoms, -1 without; (N, R, 3)
-            unit normals against the rays, 0 without.
+            unit normals against the rays, 0 without; (N, 0, 3) if they are not wanted.
         """
-        worlds, count = len(poses), ways.shape[-2]
-        hits = np.empty((worlds, count)), np.empty((worlds, count), np.int32), np.empty((worlds, count, 3))
+        worlds, count = poses.count, ways.shape[-2]
+        normals = np.empty((worlds, count if with_normals else 0, 3))
+        hits = np.empty((worlds, count)), np.empty((worlds, count), np.int32), normals
         if not worlds or not count:
             return hits
-        places = (c_void_p * worlds)(*[address(row[0]) for row in poses])
-        turns = (c_void_p * worlds)(*[address(row[1]) for row in poses])
-        workers = min(threads.count(), worlds * count // _RAYS_A_THREAD) or 1
-        # a thread builds the trees of a world once
-        part = count if workers == 1 or worlds >= 2 * workers else _PART
-        structure, rooms = self._structure, None
-        if structure.solids > _FEW_SOLIDS:
-            try:
-                rooms = self._rooms.pop()
-            except IndexError:
-                rooms = _Rooms(structure.solids, structure.moving)
-        rays = ModelRaysStructure(
-            *(worlds, count, part, ctypes.addressof(places), ctypes.addressof(turns), address(points), address(ways)),
+        workers = min(threads.count(), worlds * count // self._rays_a_thread) or 1
+        free = self._rooms[workers > 1]
+        try:
+            rooms = free.pop()
+        except IndexError:
+            rooms = _Rooms(self._structure.solids, 1 if workers == 1 else threads.count())
+        _MODEL_RAYS.pack_into(
+            rooms.call,
+            0,
+            *(worlds, count, *poses.addresses, address(points), address(ways)),
             *(3 * (points.ndim > 1), 3 * count * (points.ndim > 2), 3 * count * (ways.ndim > 2), limit, excluded),
-            *addresses(*hits),
-            None if rooms is None else ctypes.addressof(rooms.rows),
+            *(address(hits[0]), address(hits[1]), address(normals) if with_normals else 0, rooms.address, 0, 0),
         )
-        arguments = ctypes.byref(structure), ctypes.byref(rays)
         if workers == 1:
-            self._function(*arguments)
+            self._function(self._address, rooms.call)
         else:
-            threads.together(lambda: self._function(*arguments), workers)
-        if rooms is not None:
-            self._rooms.append(rooms)
+            threads.together(lambda: self._function(self._address, rooms.call), workers)
+        free.append(rooms)
         return hits
 
 

@@ -103,7 +103,8 @@ class ModelSensors:
 
         def scan(data: Any) -> Scan:
             position, rotation = frame.pose(data)
-            hits = rays.cast(data, position, matmul(ways, rotation.T), limit, bodyexclude=frame.root or -1)
+            ahead, left_out = matmul(ways, rotation.T), frame.root or -1
+            hits = rays.cast(data, position, ahead, limit, bodyexclude=left_out, normals=False)
             has_hit = hits.geoms >= 0
             ranges = np.where(has_hit, hits.distances, limit)
             if noise or dropout:

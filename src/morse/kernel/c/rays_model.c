@@ -1,47 +1,45 @@
 // Casts rays at the solids of many worlds of one model, whose poses are read where the engine keeps them.
 //
-// Spheres and boxes around a few solids are compared with a ray eight at a time; more solids are in two trees, one of
-// them for those that stand. Only solids whose bounds a ray meets are tested exactly.
-#include <string.h>
-
+// Rays are in packets with similar directions; one solid after another, the nearest first, is compared with all of
+// them: a sphere around it with cones around packets, then sphere and box with each ray. Only rays that meet these are
+// tested exactly, four at a time.
 #include "export.h"
 #include "mesh.h"
-#include "placing.h"
-#include "primitives.h"
+#include "packets.h"
 
-// Maximum number of solids without a tree; WIDTH times as many groups.
-#define FEW_SOLIDS 64
-// Bounds of the rounding errors of single precision: of coordinates, and of squares of distances.
-#define COORDINATE_ERROR 1e-6f
-#define SQUARE_ERROR 4e-6f
+enum { PLANE = MESH + 1, DISTANCES = 256 };
+
+// With fewer solids, it takes longer to sort the rays than to compare each of them.
+#define FEW_SOLIDS 16
+
 // A ray that is steeper than that is parallel to a plane, as in MuJoCo.
 #define PARALLEL_TO_PLANE 1e-15
 
-// Solids are in groups: those that move first. Planes are apart.
+// Solids are in the order of their geoms.
 typedef struct {
-    int32_t solids, moving, planes;
-    const int32_t *kinds, *geoms, *bodies;      // (S): kind, number of the geom and of its body
-    const double *sizes, *centres, *halves;     // (S, 3): of primitives; the box around each, in its own frame
-    const Mesh *const *meshes;                  // (S), null for primitives
-    const double *face_normals;                 // (F, 3) of all meshes
-    const int64_t *first_faces;                 // (S)
-    const int32_t *plane_geoms, *plane_bodies;  // (P)
-    const double *plane_sizes;                  // (P, 2), 0 for infinite ones
+    int64_t solids;
+    const int32_t *kinds, *geoms, *bodies;   // (S): kind, number of the geom and of its body
+    const double *sizes, *centres, *halves;  // (S, 3): of primitives; the box around each, in its own frame
+    const Mesh *const *meshes;               // (S), null for primitives
+    const double *face_normals;              // (F, 3) of all meshes
+    const int64_t *first_faces;              // (S)
 } Model;
 
-// Memory of a thread for the trees of a world: of the moving solids, and of those that stand, which are kept while
-// their poses are the same.
+// A sphere around a solid, relative to the anchor.
 typedef struct {
-    Box *boxes;
-    int32_t *scratch, *leaves[2];
-    Node *nodes[2];
-    double (*stood)[12];
-    int32_t counts[2], is_known;
+    float at[3], radius;
+    int32_t solid;
+} Bound;
+
+// Memory of a thread.
+typedef struct {
+    Bundle *bundle;
+    Bound *bounds, *sorted;  // (S)
 } Room;
 
 // The rays of all worlds; results are (N, R). Steps are numbers of values from one to the next.
 typedef struct {
-    int64_t worlds, rays, part;                     // R of each world; rays that a thread takes at once
+    int64_t worlds, rays;
     const double *const *positions, *const *turns;  // of the geoms of each world
     const double *points, *ways;
     int64_t point_step, point_world, way_world;
@@ -49,310 +47,372 @@ typedef struct {
     int64_t excluded;  // body whose geoms rays pass through; -1 for none
     double *distances;
     int32_t *geoms;
-    double *normals;
-    Room *rooms;  // of each thread; null for a few solids
+    double *normals;  // null if they are not wanted
+    Room *rooms;      // of each thread
     int64_t next, arrived;
 } ModelRays;
 
 MORSE_EXPORT void morse_rays_model(const Model *model, ModelRays *rays);
 
-// Spheres and boxes around eight solids: their middle relative to an anchor, and the axes and half sizes of the boxes.
+// A solid at its place in a world, and what all rays from the anchor have in common.
 typedef struct {
-    Floats x, y, z, radius, axes[9], half[3];
-} Group;
-
-typedef struct {
-    Group groups[FEW_SOLIDS / WIDTH];
-    double anchor[3];
-} Spheres;
-
-typedef struct {
-    const Model *model;
-    const double *positions, *turns;  // of the geoms
-    const Ray *ray;
-    const int32_t *leaves;
-    int32_t first;  // solid of the first leaf
-    int64_t excluded;
-    double distance;
-    int32_t solid, geom, face;
-} Query;
-
-static inline double dot_of(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+    int32_t kind, solid;
+    const double *place, *turn, *size;
+    const Mesh *mesh;
+    double origin[3];  // of rays from the anchor, in the frame of the solid
+    float at[3], radius, axes[9], half[3];
+} Target;
 
 static inline void into(const double *r, const double *v, double *to) {
     for (int k = 0; k < 3; k++) to[k] = r[k] * v[0] + r[3 + k] * v[1] + r[6 + k] * v[2];
 }
 
 static inline void from(const double *r, const double *v, double *to) {
-    for (int k = 0; k < 3; k++) to[k] = dot_of(r + 3 * k, v);
+    for (int k = 0; k < 3; k++) to[k] = dot3(r + 3 * k, v);
 }
 
-// The ray in the frame of a geom.
-static inline Ray ray_in(const Query *q, int32_t geom) {
-    const double *place = q->positions + 3 * (int64_t)geom, *turn = q->turns + 9 * (int64_t)geom;
-    const double *o = q->ray->origin, away[3] = {o[0] - place[0], o[1] - place[1], o[2] - place[2]};
-    Ray local;
-    into(turn, away, local.origin);
-    into(turn, q->ray->direction, local.direction);
-    return local;
+static inline void into4(const double *r, const Doubles *v, Doubles *to) {
+    for (int k = 0; k < 3; k++) to[k] = r[k] * v[0] + r[3 + k] * v[1] + r[6 + k] * v[2];
 }
 
-static inline void meet_solid(Query *q, int32_t solid) {
-    const Model *m = q->model;
-    const int32_t geom = m->geoms[solid];
-    if (m->bodies[solid] == q->excluded) return;
-    const Ray local = ray_in(q, geom);
-    double distance = q->distance;
-    int32_t face = -1;
-    if (m->kinds[solid] == MESH) {
-        if (!meet_mesh(m->meshes[solid], &local, &distance, &face)) return;
-    } else {
-        distance = first_surface(m->kinds[solid], local.origin, local.direction, m->sizes + 3 * (int64_t)solid);
+// The origins of four rays in the frame of a solid.
+static inline void origins_in(const Target *t, const Bundle *b, const Packet *p, int half, Doubles *to) {
+    if (b->shared) {
+        for (int k = 0; k < 3; k++) to[k] = EACH(Doubles, t->origin[k]);
+        return;
     }
-    if (distance < q->distance || (distance == q->distance && geom < q->geom)) {
-        q->distance = distance;
-        q->solid = solid, q->geom = geom, q->face = face;
+    Doubles away[3];
+    for (int k = 0; k < 3; k++) away[k] = p->origin[k][half] - t->place[k];
+    into4(t->turn, away, to);
+}
+
+// Of several solids at the same distance, the first one counts.
+static inline void take(Packet *p, int half, Longs met, Doubles distance, int32_t solid) {
+    const Longs before = (Longs)(p->solid[half] > (int64_t)solid);
+    met &= (distance < p->distance[half]) | ((distance == p->distance[half]) & before);
+    p->distance[half] = picked4(met, distance, p->distance[half]);
+    p->solid[half] = (p->solid[half] & ~met) | (EACH(Longs, (int64_t)solid) & met);
+}
+
+static inline void meet_triangles(Packet *p, int half, uint32_t lanes, const Target *t, const Doubles *o,
+                                  const Doubles *d) {
+    for (; lanes; lanes &= lanes - 1) {
+        const int k = __builtin_ctz(lanes);
+        const Ray local = {{o[0][k], o[1][k], o[2][k]}, {d[0][k], d[1][k], d[2][k]}};
+        double distance = p->distance[half][k];
+        int32_t face;
+        if (!meet_mesh(t->mesh, &local, &distance, &face)) continue;
+        if (distance == p->distance[half][k] && p->solid[half][k] <= t->solid) continue;
+        p->distance[half][k] = distance;
+        p->solid[half][k] = t->solid, p->face[4 * half + k] = face;
     }
 }
 
-static void meet_leaf(void *what, int32_t leaf) {
-    Query *q = what;
-    meet_solid(q, q->first + q->leaves[leaf]);
+static inline __attribute__((always_inline)) void meet_half(const Bundle *b, Packet *p, int half, uint32_t lanes,
+                                                            const Target *t, int32_t kind) {
+    Doubles origin[3], way[3] = {p->way[0][half], p->way[1][half], p->way[2][half]}, local[3];
+    origins_in(t, b, p, half, origin);
+    into4(t->turn, way, local);
+    if (kind == MESH) {
+        meet_triangles(p, half, lanes, t, origin, local);
+        return;
+    }
+    const Longs met = {-(int64_t)(lanes & 1), -(int64_t)(lanes >> 1 & 1), -(int64_t)(lanes >> 2 & 1),
+                       -(int64_t)(lanes >> 3 & 1)};
+    take(p, half, met, first_surface4(kind, origin, local, t->size), t->solid);
+}
+
+// A bit for each ray of a packet that may meet a solid before its present hit: its sphere, then its box. The box needs
+// three cross products, and no divisions.
+static inline uint32_t met_rays(const Bundle *b, const Packet *p, const Target *t) {
+    Floats away[3], slack = EACH(Floats, 0.0f);
+    for (int k = 0; k < 3; k++) {
+        away[k] = EACH(Floats, t->at[k]);
+        if (b->shared) continue;
+        away[k] -= p->coarse_origin[k];
+        slack += COORDINATE_ERROR * sizes_of(p->coarse_origin[k]);
+    }
+    const Floats *d = p->coarse_way, radius = t->radius + slack;
+    const Floats along = away[0] * d[0] + away[1] * d[1] + away[2] * d[2];
+    const Floats square = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
+    const Floats wide = radius + (square * SQUARE_ERROR + SQUARE_ERROR);
+    const Floats limit = narrowed(p->distance);
+    Ints met = (square - along * along <= radius * radius + square * SQUARE_ERROR) & (along + wide >= 0.0f) &
+               (along - wide <= limit * WIDER);
+    const uint32_t bits = bits8(&met);
+    if (t->kind == SPHERE || !bits) return bits;
+    const Floats error = COORDINATE_ERROR * (sizes_of(away[0]) + sizes_of(away[1]) + sizes_of(away[2])) + slack;
+    Floats c[3], way[3], size[3];
+    for (int k = 0; k < 3; k++) {
+        c[k] = t->axes[k] * away[0] + t->axes[3 + k] * away[1] + t->axes[6 + k] * away[2];
+        way[k] = t->axes[k] * d[0] + t->axes[3 + k] * d[1] + t->axes[6 + k] * d[2];
+        size[k] = sizes_of(way[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        met &= sizes_of(c[i] * way[j] - c[j] * way[i]) <= t->half[i] * size[j] + t->half[j] * size[i] + error;
+    }
+    return bits8(&met);
+}
+
+static inline __attribute__((always_inline)) void meet_packet(const Bundle *b, Packet *p, const Target *t,
+                                                              int32_t kind) {
+    const uint32_t lanes = met_rays(b, p, t);
+    if (lanes & 15u) meet_half(b, p, 0, lanes & 15u, t, kind);
+    if (lanes >> 4) meet_half(b, p, 1, lanes >> 4, t, kind);
+}
+
+static inline __attribute__((always_inline)) void meet_packets(Bundle *b, const Target *t, int32_t kind) {
+    const int32_t packets = (b->rays + WIDTH - 1) / WIDTH, blocks = (packets + WIDTH - 1) / WIDTH;
+    for (int32_t n = 0; n < packets && !b->is_sorted; n++) meet_packet(b, b->packets + n, t, kind);
+    if (!b->is_sorted) return;
+    for (int32_t first = 0; first < blocks; first += WIDTH) {
+        uint32_t wide = met_cones(b->wide + first / WIDTH, t->at, t->radius);
+        for (; wide; wide &= wide - 1) {
+            const int32_t block = first + __builtin_ctz(wide);
+            uint32_t narrow = met_cones(b->cones + block, t->at, t->radius);
+            for (; narrow; narrow &= narrow - 1)
+                meet_packet(b, b->packets + block * WIDTH + __builtin_ctz(narrow), t, kind);
+        }
+    }
+}
+
+static void meet_solid(Bundle *b, const Target *t) {
+    switch (t->kind) {
+        case BOX:
+            meet_packets(b, t, BOX);
+            break;
+        case SPHERE:
+            meet_packets(b, t, SPHERE);
+            break;
+        case CYLINDER:
+            meet_packets(b, t, CYLINDER);
+            break;
+        case CAPSULE:
+            meet_packets(b, t, CAPSULE);
+            break;
+        case ELLIPSOID:
+            meet_packets(b, t, ELLIPSOID);
+            break;
+        default:
+            meet_packets(b, t, MESH);
+    }
 }
 
 // Planes are hit from the front, within their borders.
-static inline void meet_planes(Query *q) {
-    const Model *m = q->model;
-    for (int32_t n = 0; n < m->planes; n++) {
-        const int32_t geom = m->plane_geoms[n];
-        if (m->plane_bodies[n] == q->excluded) continue;
-        const double *turn = q->turns + 9 * (int64_t)geom, *way = q->ray->direction;
-        if (!(turn[2] * way[0] + turn[5] * way[1] + turn[8] * way[2] < -PARALLEL_TO_PLANE)) continue;
-        const Ray local = ray_in(q, geom);
-        const double distance = -local.origin[2] / local.direction[2], *size = m->plane_sizes + 2 * (int64_t)n;
-        if (!(distance >= 0.0) || distance > q->distance || (distance == q->distance && geom >= q->geom)) continue;
-        int within = 1;
-        for (int k = 0; k < 2; k++)
-            within &= size[k] <= 0.0 || fabs(local.origin[k] + distance * local.direction[k]) <= size[k];
-        if (!within) continue;
-        q->distance = distance;
-        q->solid = -1, q->geom = geom, q->face = -1;
-    }
-}
-
-// In single precision, without numbers whose products would be denormal: these take ten times as long.
-static inline float coarse(double x) { return fabs(x) < 1e-9 ? 0.0f : limited(x); }
-
-static inline void place_spheres(const Query *q, const double *anchor, Spheres *to) {
-    const Model *m = q->model;
-    static const double origin[3] = {0.0, 0.0, 0.0};
-    if (!isfinite(anchor[0] + anchor[1] + anchor[2])) anchor = origin;
-    memcpy(to->anchor, anchor, sizeof to->anchor);
-    memset(to->groups, 0, sizeof to->groups);
-    for (int32_t n = 0; n < (m->solids + WIDTH - 1) / WIDTH * WIDTH; n++) {
-        Group *group = to->groups + n / WIDTH;
-        const int lane = n % WIDTH;
-        // lanes without a solid have a sphere that is not met
-        float values[4] = {0.0f, 0.0f, 0.0f, -1.0f};
-        if (n < m->solids) {
-            const int64_t geom = m->geoms[n];
-            double at[3];
-            from(q->turns + 9 * geom, m->centres + 3 * (int64_t)n, at);
-            for (int k = 0; k < 3; k++) values[k] = coarse(at[k] + q->positions[3 * geom + k] - anchor[k]);
-            const double *half = m->halves + 3 * (int64_t)n;
-            values[3] = limited(m->kinds[n] == SPHERE ? half[0] : sqrt(dot_of(half, half)));
-            const float far = fabsf(values[0]) + fabsf(values[1]) + fabsf(values[2]);
-            values[3] = values[3] * (1.0f + COORDINATE_ERROR) + COORDINATE_ERROR * far + 1e-8f;
-        }
-        group->x[lane] = values[0], group->y[lane] = values[1], group->z[lane] = values[2];
-        group->radius[lane] = values[3];
-        for (int k = 0; k < 9 && n < m->solids; k++)
-            group->axes[k][lane] = coarse(q->turns[9 * (int64_t)m->geoms[n] + k]);
-        for (int k = 0; k < 3 && n < m->solids; k++) {
-            const float half = limited(m->halves[3 * (int64_t)n + k]);
-            group->half[k][lane] = half * (1.0f + COORDINATE_ERROR) + COORDINATE_ERROR;
+static void meet_plane(Bundle *b, const Target *t) {
+    const double *turn = t->turn, *size = t->size;
+    for (int32_t n = 0; n * WIDTH < b->rays; n++) {
+        Packet *p = b->packets + n;
+        for (int h = 0; h < 2; h++) {
+            const Doubles way[3] = {p->way[0][h], p->way[1][h], p->way[2][h]};
+            const Doubles down = turn[2] * way[0] + turn[5] * way[1] + turn[8] * way[2];
+            Longs met = down < -PARALLEL_TO_PLANE;
+            if (!bits4(&met)) continue;
+            Doubles o[3], d[3];
+            origins_in(t, b, p, h, o);
+            const Doubles distance = -o[2] / down;
+            met &= distance >= 0.0;
+            if (size[0] > 0.0 || size[1] > 0.0) {
+                into4(turn, way, d);
+                for (int k = 0; k < 2; k++)
+                    if (size[k] > 0.0) met &= size4(o[k] + distance * d[k]) <= size[k];
+            }
+            take(p, h, met, distance, t->solid);
         }
     }
 }
 
-// A bit for each sphere of a group that a ray meets before a distance; `nearest` is where it may enter them.
-static inline uint32_t met_spheres(const Group *s, const float *o, const float *d, float slack, float limit,
-                                   Floats *nearest) {
-    const Floats x = s->x - o[0], y = s->y - o[1], z = s->z - o[2], radius = s->radius + slack;
-    const Floats along = x * d[0] + y * d[1] + z * d[2], square = x * x + y * y + z * z;
-    const Floats beside = square - along * along, allowed = radius * radius + square * SQUARE_ERROR;
-    const Floats wide = radius + (square * SQUARE_ERROR + SQUARE_ERROR);
-    *nearest = along - wide;
-    const Ints met = (beside <= allowed) & (along + wide >= 0.0f) & (along - wide <= limit) & (s->radius >= 0.0f);
-    return bits8(&met);
+static inline Target target_of(const Model *m, const ModelRays *rays, int64_t world, const Bundle *b, int32_t solid) {
+    const int64_t geom = m->geoms[solid], row = 3 * (int64_t)solid;
+    Target t = {.kind = m->kinds[solid], .solid = solid, .size = m->sizes + row, .mesh = m->meshes[solid]};
+    t.place = rays->positions[world] + 3 * geom, t.turn = rays->turns[world] + 9 * geom;
+    const double away[3] = {b->anchor[0] - t.place[0], b->anchor[1] - t.place[1], b->anchor[2] - t.place[2]};
+    into(t.turn, away, t.origin);
+    for (int k = 0; k < 9; k++) t.axes[k] = coarse(t.turn[k]);
+    for (int k = 0; k < 3; k++) t.half[k] = limited(m->halves[row + k]) * (1.0f + COORDINATE_ERROR) + COORDINATE_ERROR;
+    return t;
 }
 
-static inline Floats size_of(Floats a) { return CHOSEN(a < 0.0f, -a, a); }
-
-// A bit for each box of a group that the line of a ray meets: three cross products, without divisions.
-static inline uint32_t met_boxes(const Group *s, const float *o, const float *d, float slack) {
-    const Floats away[3] = {s->x - o[0], s->y - o[1], s->z - o[2]};
-    const Floats error = COORDINATE_ERROR * (size_of(away[0]) + size_of(away[1]) + size_of(away[2])) + slack;
-    Floats c[3], way[3], size[3];
+static inline Bound bound_of(const Model *m, const double *place, const double *turn, const double *anchor,
+                             int32_t solid) {
+    Bound bound = {.solid = solid};
+    const double *half = m->halves + 3 * (int64_t)solid;
+    double centre[3];
+    from(turn, m->centres + 3 * (int64_t)solid, centre);
+    float far = 0.0f;
     for (int k = 0; k < 3; k++) {
-        c[k] = s->axes[k] * away[0] + s->axes[3 + k] * away[1] + s->axes[6 + k] * away[2];
-        way[k] = s->axes[k] * d[0] + s->axes[3 + k] * d[1] + s->axes[6 + k] * d[2];
-        size[k] = size_of(way[k]);
+        bound.at[k] = coarse(centre[k] + place[k] - anchor[k]);
+        far += fabsf(bound.at[k]);
     }
-    Ints met = EACH(Ints, -1);
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const Floats beside = size_of(c[i] * way[j] - c[j] * way[i]);
-        met &= beside <= s->half[i] * size[j] + s->half[j] * size[i] + error;
-    }
-    return bits8(&met);
+    const float radius = limited(m->kinds[solid] == SPHERE ? half[0] : sqrt(dot3(half, half)));
+    bound.radius = radius * (1.0f + COORDINATE_ERROR) + COORDINATE_ERROR * far + 1e-8f;
+    return bound;
 }
 
-static inline void meet_few(Query *q, const Spheres *s) {
-    const Ray *ray = q->ray;
-    float o[3], d[3], slack = 0.0f;
-    for (int k = 0; k < 3; k++) {
-        o[k] = coarse(ray->origin[k] - s->anchor[k]), d[k] = coarse(ray->direction[k]);
-        slack += COORDINATE_ERROR * fabsf(o[k]);
-    }
-    for (int32_t g = 0; g * WIDTH < q->model->solids; g++) {
-        Floats nearest;
-        uint32_t met = met_spheres(s->groups + g, o, d, slack, rounded_up(q->distance), &nearest);
-        if (met) met &= met_boxes(s->groups + g, o, d, slack);
-        for (; met; met &= met - 1) {
-            const int k = __builtin_ctz(met);
-            if (nearest[k] <= rounded_up(q->distance)) meet_solid(q, g * WIDTH + k);
-        }
-    }
+// A number that grows with the distance of a sphere from the anchor, below DISTANCES: its exponent, and three bits
+// more.
+static inline uint8_t near_of(const Bound *bound) {
+    const float *at = bound->at, away = sqrtf(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) - bound->radius;
+    if (!(away > 0x1p-12f)) return 0;
+    if (!(away < 0x1p18f)) return DISTANCES - 1;
+    uint32_t bits;
+    memcpy(&bits, &away, sizeof bits);
+    return (uint8_t)((bits >> 20) - ((127u - 12u) << 3));
 }
 
-static inline void meet_trees(Query *q, const Room *room) {
-    const Slopes slopes = slopes_of(q->ray);
-    for (int k = 0; k < 2; k++) {
-        if (!room->counts[k]) continue;
-        q->leaves = room->leaves[k], q->first = k ? q->model->moving : 0;
-        walk(room->nodes[k], &slopes, &q->distance, meet_leaf, q);
-    }
-}
-
-// The tree of the solids that move, or of those that stand.
-static void build(const Query *q, Room *room, int standing) {
-    const Model *m = q->model;
-    const int32_t first = standing ? m->moving : 0, end = standing ? m->solids : m->moving;
-    int same = standing && room->is_known;
-    for (int32_t n = first; n < end; n++) {
+// Spheres around all solids that are not planes, the nearest first; returns their number.
+static inline int32_t bound_solids(const Model *m, const ModelRays *rays, int64_t world, const double *anchor,
+                                   const Room *room) {
+    int32_t first[DISTANCES] = {0}, sum = 0, count = 0;
+    for (int32_t n = 0; n < m->solids; n++) {
+        if (m->kinds[n] == PLANE || m->bodies[n] == rays->excluded) continue;
         const int64_t geom = m->geoms[n];
-        const double *position = q->positions + 3 * geom, *turn = q->turns + 9 * geom;
-        if (standing) {
-            double *stood = room->stood[n - first];
-            if (!memcmp(stood, position, 3 * sizeof *stood) && !memcmp(stood + 3, turn, 9 * sizeof *stood)) continue;
-            same = 0;
-            memcpy(stood, position, 3 * sizeof *stood), memcpy(stood + 3, turn, 9 * sizeof *stood);
-        }
+        room->bounds[count] = bound_of(m, rays->positions[world] + 3 * geom, rays->turns[world] + 9 * geom, anchor, n);
+        first[near_of(room->bounds + count++)]++;
     }
-    if (same) return;
-    for (int32_t n = first; n < end; n++) {
-        const int64_t geom = m->geoms[n];
-        room->boxes[n - first] = box_around(m->kinds[n], q->positions + 3 * geom, q->turns + 9 * geom,
-                                            m->centres + 3 * (int64_t)n, m->halves + 3 * (int64_t)n);
+    for (int32_t k = 0; k < DISTANCES; k++) {
+        const int32_t some = first[k];
+        first[k] = sum, sum += some;
     }
-    int32_t leaves;
-    room->counts[standing] =
-        build_tree(end - first, room->boxes, 1, room->scratch, room->nodes[standing], room->leaves[standing], &leaves);
-    if (standing) room->is_known = 1;
+    for (int32_t n = 0; n < count; n++) room->sorted[first[near_of(room->bounds + n)]++] = room->bounds[n];
+    return count;
 }
 
-// The outward normal of a primitive at a place on it, in its own frame, of any length.
-static inline void normal_at(int32_t kind, const double *size, const double *at, double *to) {
-    memcpy(to, at, 3 * sizeof *to);
+static inline Doubles sign4(Doubles a) { return picked4(a < 0.0, EACH(Doubles, -1.0), EACH(Doubles, 1.0)); }
+
+// The outward normals of a primitive at places on it, in its own frame, of any length.
+static inline void normals_at(int32_t kind, const double *size, const Doubles *at, Doubles *to) {
+    const Doubles none = EACH(Doubles, 0.0);
+    for (int k = 0; k < 3; k++) to[k] = at[k];
     switch (kind) {
         case BOX: {
-            int axis = 0;
-            for (int k = 1; k < 3; k++)
-                if (fabs(at[k]) * size[axis] > fabs(at[axis]) * size[k]) axis = k;
-            for (int k = 0; k < 3; k++) to[k] = k == axis ? copysign(1.0, at[k]) : 0.0;
+            const Doubles far[3] = {size4(at[0]), size4(at[1]), size4(at[2])};
+            const Longs y = far[1] * size[0] > far[0] * size[1];
+            const Doubles most = picked4(y, far[1], far[0]), reach = picked4(y, none + size[1], none + size[0]);
+            const Longs z = far[2] * reach > most * size[2];
+            to[0] = picked4(y | z, none, sign4(at[0]));
+            to[1] = picked4(y & ~z, sign4(at[1]), none);
+            to[2] = picked4(z, sign4(at[2]), none);
             break;
         }
         case ELLIPSOID:
             for (int k = 0; k < 3; k++) to[k] = at[k] / (size[k] * size[k]);
             break;
         case CYLINDER: {
-            const double radius = sqrt(at[0] * at[0] + at[1] * at[1]);
-            const int cap = fabs(at[2]) - size[1] > radius - size[0];
-            for (int k = 0; k < 2; k++) to[k] = cap ? 0.0 : at[k];
-            to[2] = cap ? copysign(1.0, at[2]) : 0.0;
+            const Doubles radius = root4(at[0] * at[0] + at[1] * at[1]);
+            const Longs cap = size4(at[2]) - size[1] > radius - size[0];
+            for (int k = 0; k < 2; k++) to[k] = picked4(cap, none, at[k]);
+            to[2] = picked4(cap, sign4(at[2]), none);
             break;
         }
-        case CAPSULE:
-            to[2] = at[2] - (at[2] > size[1] ? size[1] : at[2] < -size[1] ? -size[1] : at[2]);
+        case CAPSULE: {
+            const Doubles end = picked4(at[2] > size[1], none + size[1], at[2]);
+            to[2] = at[2] - picked4(at[2] < -size[1], none - size[1], end);
             break;
+        }
         default:
             break;
     }
 }
 
-// The unit normal of the surface that a ray has hit, against the ray.
-static inline void find_normal(const Query *q, double *to) {
-    const Model *m = q->model;
-    double own[3] = {0.0, 0.0, 1.0};
-    if (q->solid >= 0 && m->kinds[q->solid] == MESH) {
-        memcpy(own, m->face_normals + 3 * (m->first_faces[q->solid] + q->face), sizeof own);
-    } else if (q->solid >= 0) {
-        const Ray local = ray_in(q, q->geom);
-        double at[3];
-        for (int k = 0; k < 3; k++) at[k] = local.origin[k] + q->distance * local.direction[k];
-        normal_at(m->kinds[q->solid], m->sizes + 3 * (int64_t)q->solid, at, own);
+// The unit normals of a solid that four rays have hit, against the rays; of other lanes, anything.
+static inline void find_normals(const Model *m, const ModelRays *rays, int64_t world, const Bundle *b, const Packet *p,
+                                int half, Longs met, int32_t solid, Doubles *to) {
+    const Target t = target_of(m, rays, world, b, solid);
+    const Doubles way[3] = {p->way[0][half], p->way[1][half], p->way[2][half]};
+    Doubles own[3] = {EACH(Doubles, 0.0), EACH(Doubles, 0.0), EACH(Doubles, 1.0)}, at[3], local[3];
+    if (t.kind == MESH) {
+        for (int k = 0; k < 4; k++) {
+            const int64_t face = m->first_faces[solid] + (met[k] ? p->face[4 * half + k] : 0);
+            for (int j = 0; j < 3; j++) own[j][k] = m->face_normals[3 * face + j];
+        }
+    } else if (t.kind != PLANE) {
+        origins_in(&t, b, p, half, at);
+        into4(t.turn, way, local);
+        for (int k = 0; k < 3; k++) at[k] = at[k] + p->distance[half] * local[k];
+        normals_at(t.kind, t.size, at, own);
     }
-    from(q->turns + 9 * (int64_t)q->geom, own, to);
-    const double length = sqrt(dot_of(to, to)), side = dot_of(to, q->ray->direction) > 0.0 ? -1.0 : 1.0;
-    const double scale = side / (length > 1e-300 ? length : 1e-300);
+    for (int k = 0; k < 3; k++)
+        to[k] = t.turn[3 * k] * own[0] + t.turn[3 * k + 1] * own[1] + t.turn[3 * k + 2] * own[2];
+    const Doubles length = root4(dot34(to, to)), side = sign4(-dot34(to, way));
+    const Doubles scale = side / larger4(length, EACH(Doubles, 1e-300));
     for (int k = 0; k < 3; k++) to[k] *= scale;
 }
 
-static inline void cast_ray(Query *q, const ModelRays *rays, const Spheres *spheres, const Room *room,
-                            const double *point, const double *way, int64_t i) {
-    rays->distances[i] = -1.0, rays->geoms[i] = -1;
-    double *normal = rays->normals + 3 * i;
-    normal[0] = normal[1] = normal[2] = 0.0;
-    // squares of very long and very short directions are not finite, or 0
-    const double most = larger(larger(fabs(way[0]), fabs(way[1])), fabs(way[2]));
-    if (!(most > 0.0) || !isfinite(most) || !isfinite(point[0] + point[1] + point[2])) return;
-    Ray ray;
-    double square = 0.0;
-    for (int k = 0; k < 3; k++) ray.direction[k] = way[k] / most, square += ray.direction[k] * ray.direction[k];
-    const double part = sqrt(square), length = most * part;
-    for (int k = 0; k < 3; k++) ray.direction[k] /= part, ray.origin[k] = point[k];
-    q->ray = &ray, q->distance = rays->limit, q->solid = q->geom = q->face = -1;
-    meet_planes(q);
-    if (room)
-        meet_trees(q, room);
-    else
-        meet_few(q, spheres);
-    if (q->geom < 0) return;
-    rays->distances[i] = q->distance / length, rays->geoms[i] = q->geom;
-    find_normal(q, normal);
+static inline void write_normals(const Model *m, const ModelRays *rays, int64_t world, const Bundle *b, double *to) {
+    for (int32_t n = 0; n < b->rays; n += 4) {
+        const Packet *p = b->packets + n / WIDTH;
+        const int half = n % WIDTH / 4;
+        const Longs solids = p->solid[half], hit = solids >= 0;
+        Doubles normals[3] = {EACH(Doubles, 0.0), EACH(Doubles, 0.0), EACH(Doubles, 0.0)};
+        for (uint32_t left = bits4(&hit); left;) {
+            const int64_t solid = solids[__builtin_ctz(left)];
+            const Longs met = solids == solid;
+            Doubles found[3];
+            find_normals(m, rays, world, b, p, half, met, (int32_t)solid, found);
+            for (int k = 0; k < 3; k++) normals[k] = picked4(met, found[k], normals[k]);
+            left &= ~bits4(&met);
+        }
+        for (int k = 0; k < 4 && n + k < b->rays; k++)
+            for (int j = 0; j < 3; j++) to[3 * p->ray[4 * half + k] + j] = normals[j][k];
+    }
 }
 
-// Casts all rays; several threads may call it at once, and each takes one part after another. Each ray is computed
-// independently, so that the distribution over threads does not matter.
+static inline void write_hits(const Model *m, const ModelRays *rays, int64_t world, int64_t first, const Bundle *b) {
+    double *distances = rays->distances + world * rays->rays + first;
+    int32_t *geoms = rays->geoms + world * rays->rays + first;
+    for (int32_t n = 0; n < b->rays; n += 4) {
+        const Packet *p = b->packets + n / WIDTH;
+        const int half = n % WIDTH / 4;
+        const Longs solids = p->solid[half];
+        const Doubles found = picked4(solids < 0, EACH(Doubles, -1.0), p->distance[half] / p->length[half]);
+        for (int k = 0; k < 4 && n + k < b->rays; k++) {
+            const int32_t ray = p->ray[4 * half + k];
+            distances[ray] = found[k], geoms[ray] = solids[k] < 0 ? -1 : m->geoms[solids[k]];
+        }
+    }
+    if (rays->normals) write_normals(m, rays, world, b, rays->normals + 3 * (world * rays->rays + first));
+}
+
+static void cast_bundle(const Model *m, const ModelRays *rays, int64_t world, int64_t first, const Room *room) {
+    Bundle *b = room->bundle;
+    reset_bundle(b, b->is_placed ? rays->limit : -INFINITY);
+    for (int32_t n = 0; n < m->solids; n++) {
+        if (m->kinds[n] != PLANE || m->bodies[n] == rays->excluded) continue;
+        const Target plane = target_of(m, rays, world, b, n);
+        meet_plane(b, &plane);
+    }
+    const int32_t count = bound_solids(m, rays, world, b->anchor, room);
+    for (int32_t n = 0; n < count; n++) {
+        const Bound *bound = room->sorted + n;
+        Target solid = target_of(m, rays, world, b, bound->solid);
+        memcpy(solid.at, bound->at, sizeof solid.at);
+        solid.radius = bound->radius;
+        meet_solid(b, &solid);
+    }
+    write_hits(m, rays, world, first, b);
+}
+
+// Casts all rays; several threads may call it at once, and each takes one piece after another: those of all worlds,
+// then the next rays. Each ray is computed independently, so that the distribution over threads does not matter.
 void morse_rays_model(const Model *model, ModelRays *rays) {
-    const int64_t parts = (rays->rays + rays->part - 1) / rays->part, thread = __atomic_fetch_add(&rays->arrived, 1, 0);
-    Room *room = rays->rooms ? rays->rooms + thread : 0;
-    Spheres spheres;
-    Query q = {.model = model, .excluded = rays->excluded};
-    int64_t present = -1;
+    const int64_t pieces = (rays->rays + PIECE - 1) / PIECE * rays->worlds;
+    const Room *room = rays->rooms + __atomic_fetch_add(&rays->arrived, 1, __ATOMIC_RELAXED);
+    const int is_sorted = model->solids * (rays->way_world ? 1 : rays->worlds) > FEW_SOLIDS;
+    const double *known_ways = 0, *known_points = 0;
     for (;;) {
-        const int64_t piece = __atomic_fetch_add(&rays->next, 1, __ATOMIC_RELAXED), world = piece / parts;
-        if (world >= rays->worlds) return;
-        const int64_t first = piece % parts * rays->part;
-        const int64_t end = first + rays->part < rays->rays ? first + rays->part : rays->rays;
-        const double *points = rays->points + world * rays->point_world, *ways = rays->ways + world * rays->way_world;
-        q.positions = rays->positions[world], q.turns = rays->turns[world];
-        if (room && world != present) build(&q, room, 0), build(&q, room, 1);
-        // the origin of the first ray; of rays from anywhere, the spheres are as accurate as they can be
-        if (!room && world != present) place_spheres(&q, points, &spheres);
-        present = world;
-        for (int64_t n = first; n < end; n++)
-            cast_ray(&q, rays, &spheres, room, points + n * rays->point_step, ways + 3 * n, world * rays->rays + n);
+        const int64_t piece = __atomic_fetch_add(&rays->next, 1, __ATOMIC_RELAXED), world = piece % rays->worlds;
+        if (piece >= pieces) return;
+        const int64_t first = piece / rays->worlds * PIECE, left = rays->rays - first;
+        const double *ways = rays->ways + world * rays->way_world + 3 * first;
+        const double *points = rays->points + world * rays->point_world + first * rays->point_step;
+        if (ways != known_ways || (rays->point_step && points != known_points))
+            fill_bundle(room->bundle, (int32_t)(left < PIECE ? left : PIECE), points, rays->point_step, ways,
+                        is_sorted);
+        else
+            set_anchor(room->bundle, points);
+        known_ways = ways, known_points = points;
+        cast_bundle(model, rays, world, first, room);
     }
 }
