@@ -218,6 +218,34 @@ def test_arms_of_urdf_files_go_together_too():
         assert many.save(1)[0].hash() == sim.state_hash()
 
 
+@pytest.mark.parametrize(("name", "field"), [("imu", "angular_velocity"), ("velocity", "linear_velocity")])
+def test_a_sensor_on_a_link_has_the_velocity_of_the_robot_in_its_own_axes(name, field):
+    """The leg that carries it turns against the robot."""
+
+    def scene():
+        from morse.builder import IMU, Armature, Environment, Robot, Velocity
+
+        robot = Robot(str(MODEL), name="robot")
+        legs = Armature("legs", armature_name="spider_joints")
+        legs.control("velocity")
+        for sensor in (IMU("imu"), Velocity("velocity")):
+            sensor.properties(ComputationMode="Velocity")
+            legs.append(sensor, "shin_a")
+        robot.append(legs)
+        Environment("empty")
+
+    with morse.load(scene, seed=4) as alone, morse.batch(scene, 2, seed=4) as many:
+        assert alone.robot.legs.imu.component.bge_object.slot != alone.robot.component.bge_object.slot
+        legs, array = many.command("robot.legs"), many.read(f"robot.legs.{name}", field)
+        for _ in range(10):
+            legs[:] = 1.5
+            many.step(6, measure=True)
+            alone.robot.legs.publish(dict.fromkeys(JOINTS, 1.5))
+            alone.step(6, measure=True)
+            assert array[0].tolist() == list(alone.robot.legs.parts[name].data[field])
+        assert np.abs(array[0]).max() > 0.01
+
+
 def test_motors_of_tendons_go_together_too(tmp_path):
     model = tmp_path / "spider.xml"
     tendon = (
