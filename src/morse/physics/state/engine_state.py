@@ -165,7 +165,11 @@ class WheelFriction:
     The engine relaxes this law: a contact whose slip does not end in a step gets a speed along its normal, μ times as
     large as the slip that is left. A wheel that slides sideways hops, and the robot turns by what the hops leave. De
     Saxcé's correction subtracts this speed from what the normal asks for, and a few solutions find both (V. Acary et
-    al., "A formulation of the linear discrete Coulomb friction problem via convex optimization", ZAMM 91, 2011).
+    al., "A formulation of the linear discrete Coulomb friction problem via convex optimization", ZAMM 91, 2011). The
+    first guess is the slip at the beginning of the step, which most steps keep. Otherwise, the loads of six wheels,
+    which do not follow from the weight alone, would stay those of the relaxed law.
+
+    The contacts of all wheels of a robot are equally stiff, so that wheels between others bear no more than these.
 
     Args:
         geoms: the shapes of wheels.
@@ -178,6 +182,10 @@ class WheelFriction:
         self.has_wheels = bool(self._is_wheel.any())
         trees = model.body_rootid[model.geom_bodyid[self._is_wheel]]
         self._turns = np.unique(model.body_dofadr[trees] + 5)
+        bodies = model.geom_bodyid[self._is_wheel]
+        for tree in np.unique(trees):
+            # by which the engine scales the stiffness of contacts
+            model.body_invweight0[bodies[trees == tree]] = model.body_invweight0[bodies[trees == tree]].mean(axis=0)
         self.is_needed = False
 
     def begin(self) -> None:
@@ -201,6 +209,7 @@ class WheelFriction:
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
         asked, along = data.efc_aref[first], np.zeros(data.nefc)
+        data.efc_aref[first] = asked - friction * _length(data.efc_aref[first + 1], data.efc_aref[first + 2])
         for _ in range(_SOLUTIONS):
             mujoco.mj_fwdConstraint(model, data)
             mujoco.mj_mulJacVec(model, data, along, data.qacc)
