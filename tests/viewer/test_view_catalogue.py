@@ -10,6 +10,8 @@ from editor_desk import Desk
 from view_pages import Client, fetch
 
 import morse
+from morse.assets import load
+from morse.launch import model_pictures
 from morse.launch.model_pictures import Model, models
 from morse.viewer.catalog import Catalog
 
@@ -216,3 +218,35 @@ def test_a_page_that_adds_without_end_has_a_limit(tmp_path: Path, monkeypatch: p
         assert not answer["ok"]
         assert "save and reload" in answer["error"]
         assert len([one for one in simulation.context.components if one.startswith("car.")]) == 8
+
+
+class Kept:
+    """A cache in memory."""
+
+    def __init__(self) -> None:
+        self.entries: dict[str, bytes] = {}
+
+    def get(self, key: str, _most: int) -> bytes | None:
+        return self.entries.get(key)
+
+    def put(self, key: str, value: bytes) -> None:
+        self.entries[key] = value
+
+
+def test_the_list_reads_files_of_models_only_once_whatever_is_in_its_cache(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept, read = Kept(), []
+
+    def counted(path: Path) -> object:
+        read.append(path)
+        return load(path)
+
+    monkeypatch.setattr(model_pictures, "_cache", kept)
+    monkeypatch.setattr(model_pictures, "load", counted)
+    crates = model_pictures._objects("crates", "props")
+    assert "props/crates#small_crate" in {model.kind for model in crates}
+    assert model_pictures._objects("crates", "props") == crates
+    assert len(read) == 1
+    for damaged in (b"\xff", b"[[1]]", b'{"kind": "x"}', b"[" * 5000):
+        kept.entries = dict.fromkeys(kept.entries, damaged)
+        assert model_pictures._objects("crates", "props") == crates
+    assert len(read) == 5

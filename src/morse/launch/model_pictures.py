@@ -10,6 +10,7 @@ the standard error. Pictures are kept in the cache of the user.
 from __future__ import annotations
 
 import base64
+import contextlib
 import hashlib
 import inspect
 import io
@@ -19,6 +20,7 @@ import re
 import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import msgspec
 import numpy as np
 
 from morse.assets import find, load, search
@@ -37,6 +39,7 @@ from morse.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
 
 
 SIZE = (144, 108)
@@ -151,13 +154,24 @@ def models(sources: Sequence[str] = ()) -> list[Model]:
     return items
 
 
-def _objects(name: str, category: str) -> Iterator[Model]:
-    """The objects of a model; of a world, one of each kind, without its ground and its buildings."""
+def _objects(name: str, category: str) -> list[Model]:
+    """The objects of a model, which are read from its file only if that has changed."""
     path = find(name, category)
     if path.is_relative_to(search.component_dirs()[0]):
         name = f"{category}/{name}"
     elif category != "props" or ("/" not in name and "." not in name):
-        return  # a model of the project belongs to no category
+        return []  # a model of the project belongs to no category
+    key = _hashed(f"objects of {category} {name}", path)
+    if kept := _cache.get(key, 1 << 20):
+        with contextlib.suppress(msgspec.MsgspecError):
+            return msgspec.json.decode(kept, type=list[Model])
+    models = [*_read_objects(path, name, category)]
+    _cache.put(key, msgspec.json.encode(models))
+    return models
+
+
+def _read_objects(path: Path, name: str, category: str) -> Iterator[Model]:
+    """The objects of a file; of a world, one of each kind, without its ground and its buildings."""
     kinds: set[str] = set()
     for root in load(path).roots:
         corners = visible_extent(root)
@@ -267,8 +281,12 @@ def drawn(several: list[Model]) -> Iterator[tuple[Model, bytes]]:
 
 def _key(model: Model) -> str:
     file = find(model.kind.partition("#")[0]) if "#" in model.kind else None
+    return _hashed(f"{model.kind} {SIZE}", file)
+
+
+def _hashed(what: str, file: Path | None) -> str:
     stamp = "" if file is None else f"{file} {file.stat().st_mtime_ns}"
-    return hashlib.sha256(f"{__version__} {model.kind} {stamp} {SIZE}".encode()).hexdigest()
+    return hashlib.sha256(f"{__version__} {what} {stamp}".encode()).hexdigest()
 
 
 def main() -> None:

@@ -69,7 +69,7 @@ export class Plot {
           pause,
           h("button", { type: "button", title: "save as picture", onclick: () => this.chart && savePicture(this.chart.ctx.canvas, this.titles()) }, "PNG"),
           h("button", { type: "button", title: "save as table", onclick: () => saveTable(this.csv()) }, "CSV"),
-          onFoxglove && h("button", { type: "button", title: "open the run in Foxglove", onclick: onFoxglove }, "Foxglove"),
+          onFoxglove && h("button", { type: "button", class: "foxglove", title: "open the run in Foxglove", onclick: onFoxglove }, "Foxglove"),
           iconButton(icons.close, "Close", () => this.onEmpty()),
         ),
       ),
