@@ -14,7 +14,7 @@ from morse.core.exceptions import MorseError
 from morse.many import Twin
 from morse.plugins.twin import command as twin_command
 from morse.plugins.twin import parameters
-from morse.plugins.twin.fit import relations
+from morse.plugins.twin.identifiability import relations
 from morse.plugins.twin.parameters import Parameter
 from morse.plugins.twin.replay import Simulations
 

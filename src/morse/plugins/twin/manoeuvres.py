@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.plugins.twin.comparison import Comparison
-from morse.plugins.twin.fit import UNKNOWN, Fit, Result, spreads_of
+from morse.plugins.twin.identifiability import UNKNOWN, spreads_of
+from morse.plugins.twin.problem import Problem, Result
 from morse.plugins.twin.replay import ReplayError, Samples, Simulations
 
 if TYPE_CHECKING:
@@ -85,8 +86,8 @@ def propose(
         (traces,) = simulations.each([values], length)
         there = Comparison.of(traces, probe)
         deviations = [sizes.get(one.name, math.inf) for one in there.channels]
-        fit = Fit(found, there, simulations, length, deviations=deviations)
-        return np.asarray(spreads_of(result.information + fit.information_at(traces, only)) * scales)
+        problem = Problem(found, there, simulations, length, deviations=deviations)
+        return np.asarray(spreads_of(result.information + problem.information_at(traces, only)) * scales)
 
     best: tuple[float, int] | None = None
     with Simulations(parameters, [orders for _, orders in candidates], sensors, workers) as simulations:

@@ -14,7 +14,7 @@ from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import nearest, quoted
 from morse.launch.load import described
 from morse.plugins.twin.comparison import Comparison, align
-from morse.plugins.twin.fit import Fit, Result
+from morse.plugins.twin.fit import Fit
 from morse.plugins.twin.log import Log, read_log, summary
 from morse.plugins.twin.manoeuvres import Manoeuvre, propose
 from morse.plugins.twin.mapping import Link, links_of, read_table, samples_of, table_text
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.plugins.twin.comparison import Channel
+    from morse.plugins.twin.problem import Result
     from morse.plugins.twin.replay import Samples
     from morse.scene import Scene
 
