@@ -218,6 +218,15 @@ def test_crossroads(run):
     assert nearest > 1.5
 
 
+@pytest.mark.slow
+@example_test("hospital")
+def test_hospital(run):
+    x, y, z = run("hospital")
+    assert math.dist((x, y), (7.0, 0.0)) < 0.3
+    # on the upper floor
+    assert z == pytest.approx(3.5, abs=0.02)
+
+
 @example_test("depot")
 def test_depot(run):
     places = run("depot")
