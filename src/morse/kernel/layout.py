@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ _ENDS = {"typedef struct": "}", "typedef union": "}", "typedef ": ";", "enum {":
 _CONSTANT = re.compile(r"#define (\w+) (.+)")
 
 
+@cache
 def layout(folder: Path = SOURCES) -> int:
     """Return the digest of the structures and of the functions that Python calls, 64 bits."""
     return digest(path.read_text(encoding="utf-8") for path in sorted(folder.iterdir()) if path.suffix in (".c", ".h"))
