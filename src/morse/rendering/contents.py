@@ -232,7 +232,9 @@ class Contents:
     def _velocities(self, slots: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(K, 3) linear and (K, 3) angular velocities of the slots, world axes; 0 for static slots."""
         velocities = np.zeros((2, slots, 3))
-        for slot in np.unique(self._groups).tolist():
+        for slot in np.unique(
+            np.concatenate([self._groups, *(flex.followed for flex in self.scenery.flexes)])
+        ).tolist():
             if not self._world.is_fixed(slot):
                 velocities[:, slot] = self._world.bodies.velocity(slot)
         velocities[~np.isfinite(velocities)] = 0.0

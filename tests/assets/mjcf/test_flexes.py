@@ -16,7 +16,10 @@ from morse.assets.mjcf import read_mjcf
 from morse.core.exceptions import MorseBuilderError
 from morse.launch.playing import playing
 from morse.recording.recording import Recording
+from morse.rendering.contents import Contents, MeshStore
+from morse.rendering.lens import moved
 from morse.rendering.renderer import photograph
+from morse.rendering.textures import TextureStore
 from tests.kit.waiting import wait_until
 
 CLOTH = """<flexcomp name="cloth" type="grid" count="7 7 1" spacing=".1 .1 .1" pos="0 0 1" radius=".01" mass="1"
@@ -392,3 +395,15 @@ def test_a_scanner_measures_the_distance_of_a_hanging_cloth(tmp_path: Path) -> N
         place = sim["robot"].infrared
         sim.step(2)
         assert min(place.get()["range_list"]) == pytest.approx(2.0, abs=0.02)
+
+
+def test_cameras_with_an_exposure_know_how_their_vertices_move(scene: Callable[..., Any]) -> None:
+    """A cloth that falls freely for 0.2 s, as it was and will be a moment before and after the picture."""
+    with morse.load(scene(CLOTH.replace('pos="0 0 1"', 'pos="0 0 3"'))) as sim:
+        sim.step(12)
+        contents = Contents(sim.world, MeshStore(), TextureStore())
+        (flex,) = contents.scenery.flexes
+        frames = contents.frames(moving=True)
+        now = flex.points(frames.positions)
+        later = flex.points(moved(frames.positions, frames.rotations, *frames.velocities, 0.01)[0])
+        assert later - now == pytest.approx(np.tile([0.0, 0.0, -9.81 * 0.2 * 0.01], (len(now), 1)), abs=1e-4)
