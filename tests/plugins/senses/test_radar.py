@@ -218,3 +218,46 @@ def test_rain_weakens_an_echo_there_and_back(load, carrier, rate):
     k, alpha = {77e9: (1.1320, 0.7177), 24e9: (0.1425, 1.0101), 10e9: (0.01217, 1.2571)}[carrier]
     lost = 2.0 * k * rate**alpha * found["range"] / 1000.0
     assert found["rcs"] == pytest.approx(10.0 * 10.0 ** (-lost / 10.0), rel=2e-3)
+
+
+@pytest.mark.parametrize(("carrier", "distance"), [(24e9, 60.0), (77e9, 90.0)])
+def test_the_ground_makes_lobes_of_two_ray_interference(load, carrier, distance):
+    """There and back, the power is 16 sin⁴(2π h_t h_r / λ d) of that in free space, unless a kerb hides the ground."""
+    radar_height, wave = 0.9, LIGHT / carrier
+    heights = np.linspace(0.25, 1.6, 9)
+    lines, angles = [], np.radians(np.linspace(-32.0, 32.0, len(heights)))
+    for number, (height, angle) in enumerate(zip(heights.tolist(), angles.tolist(), strict=True)):
+        x, y = distance * math.cos(angle), distance * math.sin(angle)
+        lines.append(f'c = Empty("c{number}"); c.translate({x}, {y}, {height}); c.properties(radar_cross_section=1e4)')
+    # between the radar and where the wave to the last target meets the ground, but below the direct way
+    bounce = distance * radar_height / (radar_height + heights[-1])
+    x, y = 0.97 * bounce * math.cos(angles[-1]), 0.97 * bounce * math.sin(angles[-1])
+    lines.append(f'w = Cube("kerb"); w.scale = (0.2, 0.2, 0.1); w.translate({x}, {y}, 0.1); w.static()')
+    scene = f"""
+robot = FakeRobot()
+robot.translate(z={radar_height})
+radar = Radar()
+radar.properties(carrier={carrier}, ground_reflection={{share}}, elevation_fov=6.0)
+robot.append(radar)
+ground = Cube("ground")
+ground.scale = (200.0, 200.0, 0.5)
+ground.translate(z=-0.5)
+ground.static()
+{chr(10).join(lines)}
+Environment("empty", fastmode=True)
+"""
+    simulation = load(scene.format(share=1.0))
+    simulation.step()
+    # the strongest in each direction: the ground itself is weak
+    detections = reversed(simulation.robot.radar.get()["detections"])
+    found = {round(math.degrees(one["azimuth"])): one["rcs"] for one in detections}
+    expected = 16.0 * np.sin(2.0 * math.pi * heights * radar_height / (wave * distance)) ** 4
+    expected[-1] = 1.0
+    assert expected[:-1].min() < 1.0 < 8.0 < expected[:-1].max()
+    for angle, factor in zip(np.degrees(angles), expected, strict=True):
+        if factor > 0.05:
+            assert found[round(angle)] / 1e4 == pytest.approx(factor, rel=0.03, abs=0.02)
+    simulation = load(scene.format(share=0.0))
+    simulation.step()
+    plain = [one["rcs"] for one in simulation.robot.radar.get()["detections"] if one["rcs"] > 5e3]
+    assert plain == pytest.approx([1e4] * len(heights), rel=1e-3)

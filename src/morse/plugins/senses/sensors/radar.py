@@ -43,6 +43,8 @@ _ACCURACY = 1.6
 _SPREAD_OF_RAIN = 1.0
 #: cells on each side that a point fills, and steps of the table of the window
 _CELLS, _FINE = 2, 64
+#: least vertical component of the normal of ground that reflects
+_LEVEL = 0.95
 #: most point targets, so that no world makes a radar slow
 _MOST_TARGETS = 256
 
@@ -162,6 +164,10 @@ class Radar(ScanningSensor):
         "sensitivity", 100.0, "sensitivity", "float", "Distance at which 1 m² is just detected (13 dB)", unit="m",
         low=1.0, high=1e4,
     )  # fmt: skip
+    add_property(
+        "ground_reflection", 0.0, "ground_reflection", "float", "Amplitude of waves that level ground reflects: point "
+        "targets appear stronger and weaker by interference; 0 for none", low=0.0, high=1.0,
+    )  # fmt: skip
     add_property("most_detections", 100, "most_detections", "integer", "The strongest are reported", low=1, high=1000)
     add_property("errors", False, "errors", "bool", "Noise of the receiver, and errors of the detections")
 
@@ -179,6 +185,7 @@ class Radar(ScanningSensor):
     ray_spacing: float
     azimuth_resolution: float
     sensitivity: float
+    ground_reflection: float
     most_detections: int
     errors: bool
 
@@ -186,6 +193,8 @@ class Radar(ScanningSensor):
         super().__init__(obj, parent)
         self._targets: tuple[object, list[Body]] = (None, [])
         self._sight: RayBundle | None = None
+        self._below: RayBundle | None = None
+        self._bounced: RayBundle | None = None
 
     # -- rays --------------------------------------------------------------------------------
 
@@ -312,8 +321,47 @@ class Radar(ScanningSensor):
             speeds[row] = float(dot(velocity[None], dot(turn, inside[row]))[0])
             speeds[row] -= float(dot(own[None], inside[row])[0])
             sigma[row] = _cross_section(body, self.carrier)
+        if self.ground_reflection > 0.0:
+            sigma[rows] *= self._interference(away[rows], ranges[rows])
         rows = rows[sigma[rows] > 0.0]
         return np.column_stack([ranges, azimuth, elevation, speeds, sigma])[rows]
+
+    def _interference(self, away: Floats, ranges: Floats) -> Floats:
+        """Return the factors (N,) of the power of targets by the waves that the ground below the radar reflects.
+
+        The ground turns the phase by half of a period, so that the field is 1 - g exp(-i k Δ) there and back, with the
+        amplitude g and the difference Δ of the ways. At a distance d that is large against the heights,
+        Δ = 2 h_t h_r / d, and for g = 1 the power is 16 sin⁴(2π h_t h_r / λ d) (Skolnik, section 8.2).
+
+        Args:
+            away: (N, 3) from the radar to the targets, in the axes of the world, m.
+            ranges: (N,) their lengths.
+        """
+        rays = self.context.world.rays
+        if self._below is None:
+            self._below = rays.bundle(self.bge_object, [(0.0, 0.0, -1.0)], 1e3, upright=True)
+        self._below.refresh()
+        normal, height = self._below.normals[0], float(self._below.distances[0])
+        factors = np.ones(len(ranges))
+        if self._below.hit[0] < 0 or normal[2] < _LEVEL:
+            return factors
+        # the mirror image of each target, and where the way to it meets the ground
+        height *= float(normal[2])
+        heights = dot(away, normal) + height
+        images = away - 2.0 * heights[:, None] * normal
+        longer = np.sqrt(dot(images, images))
+        ways = images / np.maximum(longer, 1e-9)[:, None]
+        meets = height / np.maximum(-dot(ways, normal), 1e-9)
+        if self._bounced is None or self._bounced.reach != self.reach():
+            self._bounced = rays.bundle(self.bge_object, ways, self.reach(), upright=True)
+        else:
+            self._bounced.turn_to(ways)
+        self._bounced.refresh()
+        open_way = (heights > 0.0) & (np.abs(self._bounced.distances - meets) < 1e-3 * meets)
+        share = self.ground_reflection
+        phase = 2.0 * math.pi * self.carrier / LIGHT * (longer - ranges)
+        field = 1.0 + share * share - 2.0 * share * cos(phase)
+        return np.where(open_way, field * field, factors)
 
     def _point_targets(self) -> list[Body]:
         world = self.context.world
