@@ -218,6 +218,9 @@ def test_radiation_falls_with_the_square_of_the_distance_and_in_shields(measured
     assert near / far == pytest.approx(9.0, rel=1e-9)
     shielded = rate(thing("activity=1e6", x=2.0) + wall(1.0, 0.2, what="attenuation=12.0"))
     assert shielded / near == pytest.approx(math.exp(-12.0 * 0.2), rel=1e-6)
+    # half of the radiation of caesium 137 goes through 3.9 cm of concrete
+    bare = rate(thing("activity=1e6", x=2.0) + wall(1.0, 0.039))
+    assert bare / near == pytest.approx(0.5, abs=0.01)
     twice = wall(1.0, 0.2, what="attenuation=12.0") + wall(1.5, 0.1, "other", "attenuation=5.0")
     assert rate(thing("activity=1e6", x=2.0) + twice) / near == pytest.approx(math.exp(-12 * 0.2 - 5 * 0.1), rel=1e-6)
 
