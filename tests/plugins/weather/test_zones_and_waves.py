@@ -282,6 +282,53 @@ env.weather(fog=60.0)
     assert simulation.robot.camera.get()["image"][16][16] == pytest.approx(expected, abs=0.3)
 
 
+@pytest.mark.parametrize("wet", [0.0, 1.0])
+def test_dark_and_slanting_surfaces_are_lost_sooner(load: Load, wet):
+    """Lambert: a share p of the light at an angle a is detected up to sqrt(p cos a / 0.8) of the reach, in clear air.
+
+    The ground is seen from 2 m, at an angle whose cosine is 2 / r; wet, it keeps 60 % of its light. A wall stays dry.
+    """
+    simulation = load(f"""
+robot = FakeRobot()
+for name, down in (("ahead", 0.0), ("below", 0.35)):
+    laser = Sick(name)
+    laser.level("rssi")
+    laser.alter("Weather", surfaces="material")
+    laser.translate(z=2.0)
+    laser.rotate(y=down)
+    laser.properties(laser_range=20.0, scan_window=120.0, resolution=0.5)
+    robot.append(laser)
+wall = Cube("wall")
+wall.scale = (0.5, 60.0, 20.0)
+wall.translate(x=8.5)
+wall.properties(lidar_reflectivity=0.2)
+wall.static()
+ground = Cube("ground")
+ground.scale = (60.0, 60.0, 0.5)
+ground.translate(z=-0.5)
+ground.properties(lidar_reflectivity=0.6)
+ground.static()
+env = Environment("empty")
+env.weather(wet={wet})
+""")
+    simulation.step(12)
+    angles = np.radians(np.arange(-60.0, 60.1, 0.5))
+    ahead, below = (simulation.robot[name].get() for name in ("ahead", "below"))
+    truth = 8.0 / np.cos(angles)
+    is_seen = 0.2 * np.cos(angles) / 0.8 >= (truth / 20.0) ** 2
+    assert is_seen.any()
+    assert not is_seen.all()
+    assert np.asarray(ahead["range_list"]) == pytest.approx(np.where(is_seen, truth, 20.0), abs=0.01)
+    expected = np.where(is_seen, 0.2 * np.cos(angles), 0.0)
+    assert np.asarray(ahead["remission_list"]) == pytest.approx(expected, abs=1e-3)
+    # the rays of an inclined plane meet the ground 5.5 m ahead
+    truth = 2.0 / (math.sin(0.35) * np.cos(angles))
+    is_seen = (0.36 if wet else 0.6) * 2.0 / truth / 0.8 >= (truth / 20.0) ** 2
+    assert is_seen.any()
+    assert not is_seen.all()
+    assert np.asarray(below["range_list"]) == pytest.approx(np.where(is_seen, truth, 20.0), abs=0.01)
+
+
 @pytest.mark.parametrize("mode", ["first", "strongest", "last"])
 def test_a_scanner_reports_the_echo_that_it_is_told(load: Load, mode):
     """In dense fog with a wall at 4 m there are two echoes: a weak one of the fog at 1 m, and the wall."""

@@ -33,7 +33,7 @@ _BORDER = 12.0
 _SNOW, _BELOW = 235.0, 0.45
 #: share of its light that a rough surface keeps when it is wet (S. Twomey, C. Bohren, J. Mergenthaler, Applied Optics
 #: 25, 1986), and reflectance of water from above, of which Schlick's formula makes that of other angles
-_DARK, _MIRROR = 0.6, 0.02
+DARK, _MIRROR = 0.6, 0.02
 #: pixels between those that have a reflected ray; the others lie between these
 _EACH = 4
 #: distances along a reflected ray at which it is compared with the picture, m, and how thick a surface is at least
@@ -110,7 +110,7 @@ class Ground(NamedTuple):
         weight = ((light >> 24) * share).astype(np.uint32)
         codes = rgba.view(np.uint32).ravel().take(self.pixel)
         # codes are about the square root of light
-        dark = np.uint32(round(256 * (1.0 - (1.0 - math.sqrt(_DARK)) * wet)))
+        dark = np.uint32(round(256 * (1.0 - (1.0 - math.sqrt(DARK)) * wet)))
         _mix(rgba, self.pixel, codes, (np.uint32(256) - weight) * dark >> 8, light, weight)
 
     def _reflected(self, rgba: Codes, lens: Lens, first: int, last: int) -> Packed:

@@ -11,21 +11,26 @@ import numpy as np
 from morse.core.declarations import Option
 from morse.core.modifier import AbstractModifier
 from morse.mathutils.portable import matmul
+from morse.plugins.weather.ground import DARK, LEVEL
 from morse.plugins.weather.medium import LIDAR, Beam, Passage
 from morse.plugins.weather.radio import attenuation_of_sound
 from morse.plugins.weather.services import present
+from morse.plugins.weather.zones import is_number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
+    from morse.core.world import Body
     from morse.plugins.weather.zones import Atmosphere
     from morse.sensors.laserscanner import LaserScanner
     from morse.sensors.range_finder import RangeFinder
 
     Floats = NDArray[np.float64]
 
+#: reflectivity of surfaces without a material
+_GREY = 0.5
 #: frequency of an ultrasonic range finder, Hz
 _ULTRASOUND = 40e3
 #: temperature, °C, and humidity at which the reach of a range finder holds, and the humidity of rain and fog
@@ -35,14 +40,18 @@ _USUAL_TEMPERATURE, _USUAL, _HUMID = 20.0, 0.5, 1.0
 class ScannerInWeather(AbstractModifier):
     """Loses echoes of distant surfaces, and adds those of drops, flakes and fog.
 
-    A scanner reports its strongest, its first or its last echo (option ``echo``). Surfaces count as perpendicular to
-    the beam: their normals would cost more than the scan.
+    A scanner reports its strongest, its first or its last echo (option ``echo``). By default, all surfaces count as
+    white and perpendicular to the beam. With ``surfaces="material"``, they are diffuse (J. Lambert): the power of an
+    echo is proportional to the cosine of the angle of incidence and to the property ``lidar_reflectivity`` of the
+    object, which is the mean of the colour of its material without it; level wet ground keeps 60 % of it. This holds
+    in clear air as well.
     """
 
     _names = ("Weather",)
     _components = ("LaserScanner",)
     options: ClassVar[Mapping[str, Option]] = {
         "echo": Option(str, "strongest", "which echo is reported", choices=("strongest", "first", "last")),
+        "surfaces": Option(str, "white", "how surfaces reflect", choices=("white", "material")),
     }
     component_instance: LaserScanner
     not_state = (*AbstractModifier.not_state, "_known", "_passages")
@@ -54,7 +63,8 @@ class ScannerInWeather(AbstractModifier):
         """Change ranges, points and remissions."""
         scanner, data = self.component_instance, self.data
         air = present(scanner.context)
-        if air.is_clear:
+        by_material = self.parameter("surfaces", default="white") == "material"
+        if air.is_clear and not by_material:
             return
         reach = float(scanner.laser_range)
         if self._known != (air, reach):
@@ -69,9 +79,29 @@ class ScannerInWeather(AbstractModifier):
             drops, light, fog = self._through_zones(air, place, ranges, random)
         else:
             drops, light, fog = passage.first_drops(random, len(ranges)), passage.received(ranges), passage.fog_echo
+        if by_material:
+            reflected = self._reflected(air.outside.wet)
+            light = light * (reflected / beam.white)
+            if "remission_list" in data:
+                data["remission_list"] = np.full(len(ranges), beam.white)
         is_hit = (ranges < reach) & (light >= (ranges / reach) ** 2)
         data["range_list"] = self._reported(beam, np.where(is_hit, ranges, np.inf), light, drops, fog, random)
         self._follow(is_hit, data["range_list"] != ranges, light)
+
+    def _reflected(self, wet: float) -> Floats:
+        """Return the light that surfaces send back (N,), as a share of that of a perfect white one that faces it."""
+        rays = self.component_instance.rays
+        normals, ways = rays.normals, rays.directions
+        up = np.array(self.component_instance.bge_object.worldOrientation)[2]
+        cosine, rise = ((normals[:, 0] * x + normals[:, 1] * y + normals[:, 2] * z) for x, y, z in ((-ways).T, up))
+        shares = np.zeros(len(rays))
+        solids, first = np.unique(rays.hit, return_index=True)
+        for solid, ray in zip(solids.tolist(), first.tolist(), strict=True):
+            body = rays.object_of(ray) if solid >= 0 else None
+            if body is not None:
+                shares[rays.hit == solid] = _reflectivity(body)
+        shares[rise > LEVEL] *= 1.0 - (1.0 - DARK) * wet
+        return np.asarray(shares * np.clip(cosine, 0.0, 1.0))
 
     def _passage_at(self, air: Atmosphere, place: Floats, reach: float) -> Passage | None:
         """Return the tables that hold on all rays, or None if they go through several media."""
@@ -166,6 +196,16 @@ class ScannerInWeather(AbstractModifier):
         if "remission_list" in data:
             seen = np.where(is_hit & ~is_other, np.asarray(data["remission_list"]) * light, 0.0)
             data["remission_list"] = seen
+
+
+def _reflectivity(body: Body) -> float:
+    given = body.get("lidar_reflectivity")
+    if is_number(given) and math.isfinite(given):
+        return min(max(float(given), 0.0), 1.0)
+    node = body.node
+    materials = [*node.materials, *(node.mesh.materials if node.mesh is not None else ())]
+    colours = [one.color[:3] for one in materials if one is not None]
+    return min(max(sum(colours[0]) / 3.0, 0.0), 1.0) if colours else _GREY
 
 
 class RangeFinderInWeather(AbstractModifier):
