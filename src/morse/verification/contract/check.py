@@ -88,7 +88,7 @@ def _missing(name: str, field: DataField) -> Iterator[str]:
     if not field.unit and (field.low is None or field.high is None):
         yield (
             f"the data field '{name}' has no unit: add unit='m', unit='rad', ...; of a number without a unit, say its "
-            "range by low= and high="
+            "range by low= and high=, which may be math.inf"
         )
     is_directed = (
         name in _AXES or field.quaternion or (is_sequence and field.shape is not None and field.shape[-1] == 3)
