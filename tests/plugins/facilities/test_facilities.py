@@ -284,7 +284,8 @@ def test_properties_of_clients_change_no_panels(load: Load):
     scene = DOOR.format(arguments="automatic=2.0")
     simulation = load(scene.replace("env =", "lift = Lift()\nlift.translate(y=9.0)\nenv ="))
     for name, value in (("Kind", "double"), ("Width", 5.0), ("Height", 9.0)):
-        simulation.door.set_property(name, value)
+        with pytest.raises(Exception, match=rf"'{name}' of door is written by Door\({name.lower()}="):
+            simulation.door.set_property(name, value).result()
     simulation.door.open()
     simulation.lift.call(1)
     simulation.step(200)

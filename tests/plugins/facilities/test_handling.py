@@ -345,7 +345,8 @@ def test_services_refuse_wrong_values(load: Load):
 
 def test_properties_of_clients_change_no_shapes(load: Load):
     simulation = load(PLANT)
-    simulation.curve.set_property("Radius", 0.001)
+    with pytest.raises(Exception, match=r"'Radius' of curve is written by Conveyor\(length, turn="):
+        simulation.curve.set_property("Radius", 0.001).result()
     simulation.step(100)
     state = simulation.save()
     simulation.restore(state)

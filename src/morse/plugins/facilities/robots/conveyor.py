@@ -36,9 +36,8 @@ class Conveyor(Robot, Facility):
     _running: bool
     add_property("_speed", 0.5, "Speed", "float", "Speed after start", unit="m/s", low=-10.0, high=10.0)
     add_property("_acceleration", 1.0, "Acceleration", "float", "Acceleration", unit="m/s^2", low=0.01, high=100.0)
-    add_property(
-        "_radius", 0.0, "Radius", "float", "Radius of the centre line, negative to the right; 0: straight", unit="m"
-    )
+    add_property("_radius", 0.0, "Radius", "float", "Radius of the centre line, negative to the right; 0: straight",
+                 unit="m", written_by="Conveyor(length, turn=...)")  # fmt: skip
     add_property("_running", True, "Running", "bool", "Whether it runs from the beginning")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:

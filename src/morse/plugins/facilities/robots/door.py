@@ -124,9 +124,12 @@ class Door(Opening):
     _builder = RobotDefaults(drive="free", builder="morse.plugins.facilities.builder.Door")
 
     _kind: str
-    add_property("_kind", "hinged", "Kind", "string", "How it opens", choices=("hinged", "sliding", "double"))
-    add_property("_width", 0.95, "Width", "float", "Width of the opening", unit="m", low=0.3, high=50.0)
-    add_property("_height", 2.1, "Height", "float", "Height of the opening", unit="m", low=0.3, high=50.0)
+    add_property("_kind", "hinged", "Kind", "string", "How it opens", choices=("hinged", "sliding", "double"),
+                 written_by="Door(kind=...)")  # fmt: skip
+    add_property("_width", 0.95, "Width", "float", "Width of the opening", unit="m", low=0.3, high=50.0,
+                 written_by="Door(width=...)")  # fmt: skip
+    add_property("_height", 2.1, "Height", "float", "Height of the opening", unit="m", low=0.3, high=50.0,
+                 written_by="Door(height=...)")  # fmt: skip
 
     def _begin(self) -> None:
         self._made = self._kind, self._width, self._height

@@ -17,8 +17,10 @@ class Gate(Opening):
     _short_desc = "A barrier whose arm swings up by presence or by call"
     _builder = RobotDefaults(drive="free", builder="morse.plugins.facilities.builder.Gate")
 
-    add_property("_width", 3.0, "Width", "float", "Width of the opening", unit="m", low=0.3, high=50.0)
-    add_property("_height", 0.9, "Height", "float", "Height of the arm above the floor", unit="m", low=0.1, high=10.0)
+    add_property("_width", 3.0, "Width", "float", "Width of the opening", unit="m", low=0.3, high=50.0,
+                 written_by="Gate(width=...)")  # fmt: skip
+    add_property("_height", 0.9, "Height", "float", "Height of the arm above the floor", unit="m", low=0.1,
+                 high=10.0, written_by="Gate(height=...)")  # fmt: skip
 
     def _begin(self) -> None:
         self._made = self._width, self._height
