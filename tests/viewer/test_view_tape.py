@@ -123,6 +123,23 @@ def test_the_slider_is_as_wide_as_a_telephone(folder: Path, browser: Any) -> Non
     context.close()
 
 
+def test_a_run_in_a_page_begins_again_without_a_question_and_has_nothing_to_end(folder: Path, browser: Any) -> None:
+    page = browser.new_page()
+    page.set_viewport_size({"width": 1280, "height": 400})
+    page.goto((folder / "run.html").as_uri() + "?quality=low")
+    page.locator(".history").wait_for()
+    assert not page.get_by_role("button", name="End the simulation").is_visible()
+    slider = page.locator(".history input")
+    page.evaluate("morse.connection.send({ type: 'pause' })")
+    slider.evaluate("one => { one.value = one.max; one.dispatchEvent(new Event('input')); }")
+    wait_until(lambda: float(page.evaluate("morse.poses.value?.time ?? 0")) > 0)
+    late = page.evaluate("morse.poses.value.time")
+    page.get_by_role("button", name="Reset").click()
+    wait_until(lambda: page.evaluate("morse.poses.value.time") < late)
+    assert page.locator("dialog[open]").count() == 0
+    page.close()
+
+
 def test_numbers_keep_what_a_run_resolves() -> None:
     tape = PageRecording("run")
     values = {"utm": 4831234.5671234, "latitude": 43.604261234567, "x": 1.23456789012345, "fine": 1.25e-7}

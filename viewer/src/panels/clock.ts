@@ -1,3 +1,4 @@
+import { tape } from "../connection/tape";
 import type { Connection } from "../connection/connection";
 import type { PoseFrame } from "../connection/frames";
 import type { Pace } from "../generated/protocol";
@@ -91,8 +92,12 @@ export class Clock {
     this.connection.send({ type: "step", count: 1 });
   }
 
-  /** Restart after a confirmation. */
+  /** Restart after a confirmation; a run in this page loses nothing. */
   reset(): void {
+    if (tape) {
+      this.connection.send({ type: "reset" });
+      return;
+    }
     const also = this.edited.length > 0 ? ` ${this.edited.join(", ")} was saved, and is read again.` : "";
     ask(`Reset everything to the beginning?${also}`, "reset", () => this.connection.send({ type: "reset" }));
   }

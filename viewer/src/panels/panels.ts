@@ -140,6 +140,7 @@ export class Panels {
     theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
     const quitButton = iconButton(icons.power, "End the simulation", () => this.app.clock.quit());
     this.app.seat.drives.watch((drives) => disable(quitButton, !drives));
+    quitButton.hidden = tape !== null; // a run in a page has nothing to end
     // rarely used controls: beside the others, or behind a button in narrow windows
     const more = h(
       "div",
