@@ -20,6 +20,7 @@ from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.people.contacts import Places, Surroundings, can_touch
 from morse.plugins.people.errands import HERE, NEVER, STANDS_UP, Queue, line_back, phases, sit_down, steps_to
 from morse.plugins.people.floors import MOST_FLOORS, Floors
+from morse.plugins.people.following import MOST_LEADERS, Trails, aims, can_be, note
 from morse.plugins.people.gait import Gait
 from morse.plugins.people.recorded import FASTEST, Tracks, checked
 from morse.plugins.people.riding import ON_FOOT, Riding
@@ -38,8 +39,21 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: what a person does
-WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT, RECORDED, QUEUES, SITS = range(11)
-_WORDS = ("walks", "stopped", "sent", "waits", "arrived", "gone", "outside", "left out", "recorded", "queues", "sits")
+WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT, RECORDED, QUEUES, SITS, FOLLOWS = range(12)
+_WORDS = (
+    "walks",
+    "stopped",
+    "sent",
+    "waits",
+    "arrived",
+    "gone",
+    "outside",
+    "left out",
+    "recorded",
+    "queues",
+    "sits",
+    "follows",
+)
 _ABSENT = (GONE, OUTSIDE, LEFT_OUT)
 #: m, around starts and goals, in which ways are searched
 _AROUND = 12.0
@@ -155,6 +169,7 @@ class Crowd(Robot):
                  written_by="Crowd(floors=...)")  # fmt: skip
 
     add_state("_touching", dict, "Contacts of people and robots: begin (s), overlap without force, overlap (m)")
+    add_state("_trails", dict, "Where those have been whom people follow, m, by their names")
     add_state("_reported", dict, "Contacts that were above the limit")
 
     not_state: ClassVar[tuple[str, ...]] = ("local_data",)
@@ -181,6 +196,7 @@ class Crowd(Robot):
         self._law = Orca() if self._model == "orca" else SocialForce()
         self._touching: dict[str, tuple[float, float, float]] = {}
         self._reported: dict[str, bool] = {}
+        self._trails: Trails = {}
         self._random = self.context.random(self.name())
         self._flows = self._read_plan()
         self._around = Surroundings(self.context, self.name(), self.floors, self._shares, lambda: self.alert)
@@ -191,6 +207,7 @@ class Crowd(Robot):
         self.target = np.zeros((count, 2))
         self.came = np.zeros((count, 2))
         self.rank = np.zeros(count, dtype=np.intp)
+        self.leader = np.full(count, -1, dtype=np.intp)
         self._ways: dict[bytes, Way] = {}
         rides = np.arange(count) < int(self._rides)
         radius = np.where(rides, np.maximum(0.38, self._radius), self._radius * np.minimum(heights / 1.7, 1.0) ** 0.5)
@@ -629,6 +646,8 @@ class Crowd(Robot):
         # seated people look to where they came from
         away = self.came[sits] - np.where(self._leaves(sits)[:, None], position[sits], self.target[sits])
         wanted[sits] = away / np.maximum(length(away), HERE)[:, None]
+        if self._trails:
+            self._follow_leaders()
         sent = np.flatnonzero(self.mode == SENT)
         for target in np.unique(self.target[sent], axis=0):
             rows = sent[(self.target[sent] == target).all(axis=1)]
@@ -639,6 +658,33 @@ class Crowd(Robot):
             arrived = self.ground.time(found, position[rows]) < _ARRIVES + 0.35 * math.sqrt(len(rows) - 1.0)
             self.mode[rows[arrived]] = STOPPED
             wanted[rows[~arrived]] = self.ground.heading(found, position[rows[~arrived]])
+
+    def _place_of(self, leader: str) -> tuple[float, float] | None:
+        """Return the place of a robot on the plane, m; None if it is not there."""
+        robot = self.context.robots.get(leader)
+        if robot is None:
+            return None
+        x, y, z = robot.bge_object.world_pose()[0]
+        shift = self.floors.shift[self.floors.floor_of(z)]
+        return (float(x + shift[0]), float(y + shift[1]))
+
+    def _follow_leaders(self) -> None:
+        """Let people follow who are led."""
+        position, wanted = self.walkers.position, self.walkers.wanted
+        for number, (name, trail) in enumerate(self._trails.items()):
+            place = self._place_of(name)
+            rows = np.flatnonzero((self.mode == FOLLOWS) & (self.leader == number))
+            if place is None or not len(rows):
+                continue
+            note(trail, place)
+            order = np.argsort(np.argsort(self.rank[rows], kind="stable"), kind="stable")
+            targets = aims(trail, place, position[rows], order)
+            near = np.isfinite(targets[:, 0])
+            wanted[rows[near]] = steps_to(position[rows[near]], targets[near])
+            far = rows[~near]
+            way = self._way_to(list(trail[0])) if len(far) else None
+            if way is not None:
+                wanted[far] = self.ground.heading(way, position[far])
 
     def _touch(self) -> None:
         """Let people and things that touch push each other, and tell of those that do so too hard."""
@@ -784,6 +830,36 @@ class Crowd(Robot):
         return [int(row) for row in chosen]
 
     @service
+    def follow(self, robot: str, count: _Person = 1) -> list[int]:
+        """Let the nearest people follow a robot, or a human, until `resume`; return their numbers.
+
+        They come to where it is now, and walk behind it on its trail, one after the other.
+
+        Args:
+            robot: name of the robot.
+            count: number of people.
+        """
+        self._obey()
+        place = self._place_of(robot)
+        if place is None or robot == self.name():
+            hint = nearest_name(robot, sorted(self.context.robots))
+            raise MorseRPCInvokationError(f"there is no robot '{robot:.80}' to follow{hint}")
+        if robot not in self._trails and len(self._trails) >= MOST_LEADERS:
+            raise MorseRPCInvokationError(f"{self.name()} follows {MOST_LEADERS} robots at most")
+        way = self._way_to(list(place))
+        if way is None:
+            raise MorseRPCInvokationError(f"{robot:.80} is where nobody can go: on the ground, or within a wall")
+        rows = np.flatnonzero(self.walkers.present & (self.riding.ride == ON_FOOT))
+        time = self.ground.time(way, self.walkers.position[rows])
+        order = np.argsort(time, kind="stable")
+        chosen = rows[order[np.isfinite(time[order])]][:count]
+        self._trails[robot] = [place]
+        names = list(self._trails)
+        self.mode[chosen], self.rank[chosen] = FOLLOWS, np.arange(len(chosen))
+        self.leader[chosen] = names.index(robot)
+        return [int(row) for row in chosen]
+
+    @service
     def stop(self, person: int = -1) -> None:
         """Let a person, or everybody, stand still until `resume` is called.
 
@@ -807,7 +883,7 @@ class Crowd(Robot):
         if person >= 0:
             self._check(person)
         rows = np.flatnonzero(self.walkers.present) if person < 0 else np.array([person])
-        rows = rows[np.isin(self.mode[rows], (STOPPED, SENT))]
+        rows = rows[np.isin(self.mode[rows], (STOPPED, SENT, FOLLOWS))]
         self.mode[rows] = WALKS
 
     @service(changes=False)
@@ -846,7 +922,7 @@ class Crowd(Robot):
             **{name: getattr(gait, name) for name in ("phase", "stride", "feet", "heading", "stands")},
             **{
                 name: getattr(self, name)
-                for name in ("flow", "stage", "mode", "until", "target", "came", "rank", "alert")
+                for name in ("flow", "stage", "mode", "until", "target", "came", "rank", "alert", "leader")
             },
             **{name: getattr(self.riding, name) for name in ("area", "ride", "lift", "slot", "turn", "opened")},
         }
@@ -874,6 +950,9 @@ class Crowd(Robot):
             if not fits or not np.isfinite(given).all():
                 raise StateError(f"the people of {self.name()} have another '{name}'")
         if not self._can_be(people) or not can_touch(state.get("_touching", {})):
+            raise StateError(f"the people of {self.name()} are where, or as, nobody can be")
+        trails: Any = state.get("_trails", {})
+        if not can_be(trails) or (people["leader"] >= len(trails)).any() or (people["leader"] < -1).any():
             raise StateError(f"the people of {self.name()} are where, or as, nobody can be")
         super().set_state(state)
         for name in arrays:

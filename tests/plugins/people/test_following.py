@@ -1,0 +1,85 @@
+"""People follow a robot, or the human of MORSE 1.4, around walls, one behind the other."""
+
+import math
+
+import numpy as np
+import pytest
+
+import morse
+from morse.plugins.people.following import aims
+
+SCENE = """
+from morse.builder import *
+wall = Cube("wall")
+wall.scale = (0.1, 2.0, 1.0)
+wall.translate(3.0, -1.0, 1.0)
+wall.static()
+human = Human()
+human.translate(1.0, 0.0, 0.0)
+motion = Waypoint()
+human.append(motion)
+people = Crowd("people", 3, deviation=0.0)
+people.start(places=[(-0.4, 0.0), (-1.1, 0.3), (-1.1, -0.4)])
+people.goals([(-1, 0)])
+Environment("empty")
+"""
+
+
+@pytest.fixture
+def sim(tmp_path):
+    path = tmp_path / "scene.py"
+    path.write_text(SCENE, "utf-8")
+    with morse.load(path) as sim:
+        yield sim
+
+
+def test_the_aims_are_behind_the_leader_on_its_trail():
+    """On a straight trail, the first follower goes to 1.1 m behind the leader, the next one to 0.65 m behind that."""
+    trail = [(0.25 * k, 0.0) for k in range(41)]
+    places = np.array([(8.5, 0.1), (8.2, -0.1), (3.0, 0.0), (0.0, 9.0)])
+    found = aims(trail, (10.0, 0.0), places, np.arange(4))
+    assert found[0, 0] == pytest.approx(8.9, abs=0.25)
+    assert found[1, 0] == pytest.approx(8.25, abs=0.25)
+    assert 3.0 < found[2, 0] <= 4.25
+    assert np.isnan(found[3]).all()
+
+
+def test_people_follow_the_human_around_a_wall_and_stop_behind_it(sim):
+    assert sim.people.follow("human", 3).result() == [0, 1, 2]
+    crowd = sim.people.component
+    for x, y in ((2.0, 1.8), (4.5, 1.8), (4.5, -4.5)):
+        sim.human.motion.publish({"x": x, "y": y, "z": 0.0, "tolerance": 0.2, "speed": 1.0})
+        for _ in range(60):
+            sim.step(10)
+            here = sim.context.robots["human"].bge_object.world_pose()[0]
+            assert (crowd.ground.clearance(crowd.walkers.position)[0] > 0.12).all()
+            if math.dist(here[:2], (x, y)) < 0.3:
+                break
+    sim.step(200)
+    state = sim.save()
+    sim.step(40)
+    after = sim.people.data["positions"].copy()
+    sim.restore(state)
+    sim.step(40)
+    assert (sim.people.data["positions"] == after).all()
+    here = sim.context.robots["human"].bge_object.world_pose()[0]
+    apart = np.sort(np.hypot(*(after[:, :2] - here[:2]).T))
+    assert (after[:, 0] > 3.2).all()
+    # one behind the other on its trail
+    assert apart == pytest.approx([1.1, 1.75, 2.4], abs=0.4)
+    assert np.hypot(*sim.people.data["velocities"][:, :2].T).max() < 0.1
+    sim.people.resume().result()
+    sim.step(60)
+    assert sim.people.ask(0).result()["state"] == "walks"
+
+
+def test_what_is_no_leader_is_refused(sim):
+    for name in ("nobody", "people", "x" * 5000, ""):
+        with pytest.raises(Exception, match="there is no robot"):
+            sim.people.follow(name, 1).result()
+    own = sim.people.component.get_state()
+    broken = [{"_trails": {"human": [(math.nan, 0.0)]}}, {"_trails": {"human": []}}, {"_trails": [1]}]
+    broken.append({"people": {**own["people"], "leader": np.full(3, 2)}})
+    for one in broken:
+        with pytest.raises(Exception, match="nobody can be"):
+            sim.people.component.set_state(own | one)
