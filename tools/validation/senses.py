@@ -25,6 +25,18 @@ target.translate({x}, 0.0, 5.0)
 target.properties({what})
 env = Environment("empty")
 """
+_GROUND = """
+robot = FakeRobot("robot")
+robot.translate(z=0.9)
+radar = Radar()
+radar.properties(elevation_fov=6.0, carrier=24e9, ground_reflection=1.0)
+robot.append(radar)
+ground = Cube("ground"); ground.scale = (200, 200, 0.5); ground.translate(z=-0.5); ground.static()
+target = Empty("target")
+target.translate(60.0, 0.0, {z})
+target.properties(radar_cross_section=1e4)
+env = Environment("empty")
+"""
 _WATER = """
 ground = Cube("ground"); ground.scale = (100, 100, 0.5); ground.translate(z=-20.5); ground.static()
 robot = Submarine("robot")
@@ -62,6 +74,13 @@ def radar() -> Iterator[Figure]:
             sim.step(3)
             peaks.append(10.0 ** (float(np.max(sim.robot.radar.data["map"])) / 10.0) - 1.0)
     yield Figure("radar, target at 16.4 and 49.2 m", "ratio of the powers", 81.0, peaks[0] / peaks[1], 0.8, "r⁻⁴")
+    for height in (0.15, 0.6):
+        with scene(_GROUND.format(z=height)) as sim:
+            sim.step(3)
+            share = sim.robot.radar.data["detections"][0]["rcs"] / 1e4
+        expected = 16.0 * math.sin(2.0 * math.pi * height * 0.9 * 24e9 / (LIGHT * 60.0)) ** 4
+        what = f"radar at 0.9 m, target at {height} m, 60 m away, over ground"
+        yield Figure(what, "share of the power in free space", expected, share, 0.05, "16 sin⁴(2π h_t h_r / λ d)")
 
 
 def water() -> Iterator[Figure]:
