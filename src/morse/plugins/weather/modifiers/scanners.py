@@ -94,12 +94,16 @@ class ScannerInWeather(AbstractModifier):
         normals, ways = rays.normals, rays.directions
         up = np.array(self.component_instance.bge_object.worldOrientation)[2]
         cosine, rise = ((normals[:, 0] * x + normals[:, 1] * y + normals[:, 2] * z) for x, y, z in ((-ways).T, up))
-        shares = np.zeros(len(rays))
-        solids, first = np.unique(rays.hit, return_index=True)
-        for solid, ray in zip(solids.tolist(), first.tolist(), strict=True):
-            body = rays.object_of(ray) if solid >= 0 else None
-            if body is not None:
-                shares[rays.hit == solid] = _reflectivity(body)
+        # one of the rays on each solid; the last place is that of no hit
+        hit = rays.hit
+        ray_of = np.full(int(hit.max(initial=-1)) + 2, -1)
+        ray_of[hit] = np.arange(len(hit))
+        ray_of[-1] = -1
+        by_solid = np.zeros(len(ray_of))
+        for solid in np.flatnonzero(ray_of >= 0).tolist():
+            body = rays.object_of(int(ray_of[solid]))
+            by_solid[solid] = 0.0 if body is None else _reflectivity(body)
+        shares = by_solid[hit]
         shares[rise > LEVEL] *= 1.0 - (1.0 - DARK) * wet
         return np.asarray(shares * np.clip(cosine, 0.0, 1.0))
 
