@@ -85,3 +85,20 @@ def test_drops_fall_unless_the_user_wants_no_motion(scenes, page) -> None:
     page.emulate_media(reduced_motion="no-preference")
     shown(scenes, CALM)
     assert page.evaluate(falls) == [False, False]
+
+
+def test_snow_covers_level_ground_also_without_gloss(scenes, tmp_path) -> None:
+    """Soil reflects 2 % of the light, and snow 83 %: 41 times as much, more than 4 times the code of sRGB."""
+    soil = Material("soil", (0.02, 0.02, 0.02, 1.0), roughness=1.0)
+    scene = Scene("field", roots=[mesh_node("floor", plane("floor", soil, 200.0))])
+    scene.settings.view.camera_location = (0.0, 0.0, HEIGHT)
+    scene.settings.view.camera_rotation = (0.0, 0.0, 0.0)
+    page = scenes.show(scene)
+    bare = code(page, tmp_path)
+    scenes.server.send(AirLook([], (0.0, 0.0, 0.0), 0.0, 1.0))
+    wait_until(lambda: page.evaluate("morse.air.look?.snow_cover") == 1)
+    drawn = page.evaluate("(morse.stage.invalidate(), morse.stage.frames)")
+    wait_until(lambda: page.evaluate("morse.stage.frames") > drawn)
+    assert page.evaluate("morse.stage.surfaces.matt") is True
+    assert code(page, tmp_path) > 4.0 * bare
+    scenes.server.send(CALM)

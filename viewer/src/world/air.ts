@@ -1,5 +1,5 @@
 import { BufferAttribute, BufferGeometry, Color, LineSegments, Points, ShaderChunk, ShaderMaterial, SRGBColorSpace, Vector3 } from "three";
-import type { MeshStandardMaterial, Object3D } from "three";
+import type { MeshLambertMaterial, MeshStandardMaterial, Object3D } from "three";
 import type { Connection } from "../connection/connection";
 import type { PoseFrame } from "../connection/frames";
 import type { AirLook, AirPart } from "../generated/protocol";
@@ -27,13 +27,13 @@ ShaderChunk.fog_fragment = /* glsl */ `
 const ground = { wet: { value: 0 }, snow: { value: 0 }, sky: { value: new Color() } };
 
 /** Let a material be wet and covered with snow where its surface is level: the formulas of the cameras. */
-export function expose(material: MeshStandardMaterial): void {
+export function expose(material: MeshStandardMaterial | MeshLambertMaterial): void {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, { groundWet: ground.wet, groundSnow: ground.snow, groundSky: ground.sky });
     shader.fragmentShader = shader.fragmentShader
       .replace("void main() {", "uniform float groundWet, groundSnow;\nuniform vec3 groundSky;\nvoid main() {")
       .replace(
-        "#include <lights_physical_fragment>",
+        /#include <lights_(physical|lambert)_fragment>/,
         /* glsl */ `
         if (groundWet + groundSnow > 0.0) {
           float rise = inverseTransformDirection(normal, viewMatrix).z;
@@ -43,7 +43,7 @@ export function expose(material: MeshStandardMaterial): void {
           totalEmissiveRadiance += groundSky * water * (0.02 + 0.98 * pow(grazing, 5.0));
           diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.83), groundSnow * smoothstep(0.66, 0.74, rise));
         }
-        #include <lights_physical_fragment>`,
+        $&`,
       );
   };
 }
