@@ -60,6 +60,7 @@ def test_functions_of_mujoco_draw_the_pictures_of_the_renderer(state: tuple[Any,
         near, far = (float(part) * model.stat.extent for part in (model.vis.map.znear, model.vis.map.zfar))
         assert near / (1 - depth[::-1] * (1 - near / far)) == pytest.approx(metres, rel=1e-3)
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = 1
         mujoco.mjr_render(viewport, renderer.scene, context)
         mujoco.mjr_readPixels(rgb, None, viewport, context)
         assert rgb[20, 30].tolist() == [2, 0, 0]

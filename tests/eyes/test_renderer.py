@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -1099,3 +1101,33 @@ def test_textures_of_geoms_are_those_of_their_materials_unless_they_have_their_o
 def test_translucent_surfaces_at_the_place_of_others_are_seen() -> None:
     box = '<geom type="box" size=".2 .2 .2" rgba="1 0 0 1"/><geom type="box" size=".2 .2 .2" rgba="0 1 0 .5"/>'
     assert _picture(_world(box, _BRIGHT))[32, 32].tolist() == pytest.approx([64, 191, 0], abs=2)
+
+
+@pytest.mark.parametrize("make", [morse.Renderer, morse.Rays, lambda model: morse.Renderer.batch(model, 1)])
+def test_memory_of_the_kernel_is_not_pickled(make: Any) -> None:
+    made = make(mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"))
+    for copied in (pickle.dumps, copy.copy, copy.deepcopy):
+        with pytest.raises(TypeError, match=r"cannot pickle '\w+' object: make one of the model in each process"):
+            copied(made)
+
+
+def test_flags_of_the_scene_give_each_geom_one_colour() -> None:
+    """Terms 10, 11, ... of the Halton sequences of 2, 3 and 5, from 0.1 to 0.9; or the number in bytes."""
+    spheres = "".join(f"<geom size='.2' pos='{x} 0 0'/>" for x in (-1, 0, 1))
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{spheres}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 120, 160) as renderer:
+        renderer.update_scene(data)
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1
+        # 10 is 1010 in base 2, 101 in base 3, 20 in base 5: 5/16, 10/27, 2/25
+        first = [round(255 * (0.1 + 0.8 * share)) for share in (5 / 16, 10 / 27, 2 / 25)]
+        colors = np.unique(renderer.render().reshape(-1, 3), axis=0)
+        assert len(colors) == 4
+        assert [0, 0, 0] in colors.tolist()
+        assert first in colors.tolist()
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = 1
+        numbers = np.unique(renderer.render().reshape(-1, 3), axis=0)
+        assert numbers.tolist() == [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 0
+        assert len(np.unique(renderer.render().reshape(-1, 3), axis=0)) > 20

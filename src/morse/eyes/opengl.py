@@ -13,12 +13,12 @@ import numpy as np
 from morse.eyes.geoms import GeomArray
 from morse.eyes.picture import LOOKS, Artist, View, view_of
 from morse.eyes.renderer import Renderer, three_geoms
+from morse.eyes.segments import shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: rendering flags and maps of depths (`mujoco.mjtRndFlag`, `mujoco.mjtDepthMap`)
-_SEGMENT = int(mujoco.mjtRndFlag.mjRND_SEGMENT)
 _ZERO_NEAR, _ZERO_FAR = 0, 1
 
 
@@ -84,11 +84,7 @@ class MjrContext:
         view = view_of(scene, int(viewport.width), int(viewport.height))
         geoms = _Snapshot(self._geoms.now().copy())
         self._shown = scene, geoms, view
-        if not scene.flags[_SEGMENT]:
-            self._colors = self._artist.colors(scene, geoms, view)
-            return
-        numbers = self._artist.segments(scene, geoms, view) + 1
-        self._colors = np.stack([numbers & 255, numbers >> 8 & 255, numbers >> 16 & 255], axis=-1).astype(np.uint8)
+        self._colors = shown(self._artist, scene, geoms, view)
 
     def read(self, rgb: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None, viewport: Any) -> None:
         """See `mjr_readPixels`."""
@@ -151,8 +147,14 @@ class _Contexts(ModuleType):
         if not self.__name__.startswith("dm_control."):
             return GLContext
         base = importlib.import_module("dm_control._render.base").ContextBase
+        direct = importlib.import_module("dm_control._render.executor").PassthroughRenderExecutor
+
+        def make(context: Any, max_width: int, max_height: int) -> None:
+            # a thread of OpenGL is not needed, and would have ended when a process that ends frees its contexts
+            base.__init__(context, max_width, max_height, direct)
+
         methods = ("_platform_init", "_platform_make_current", "_platform_free")
-        made = type(name, (base,), {"__module__": self.__name__, **dict.fromkeys(methods, _nothing)})
+        made = type(name, (base,), {"__module__": self.__name__, "__init__": make, **dict.fromkeys(methods, _nothing)})
         setattr(self, name, made)
         return made
 

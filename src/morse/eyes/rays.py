@@ -6,7 +6,7 @@ import math
 import operator
 import weakref
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -162,6 +162,9 @@ class Rays:
                 ) from None
         hits = self._targets.cast(poses, starts, ways, limit, int(bodyexclude), normals)
         return RayHits(*hits) if several else RayHits(*(part[0] for part in hits))
+
+    def __reduce__(self) -> Any:
+        raise TypeError("cannot pickle 'Rays' object: make one of the model in each process")
 
     def _poses(self, states: list[mujoco.MjData]) -> GeomPoses:
         """The poses of states, which are found once for several calls with the same states."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from morse.eyes.geoms import GeomArray
 from morse.eyes.picture import LOOKS, Artist, view_of
+from morse.eyes.segments import shown
 from morse.kernel import threads
 
 if TYPE_CHECKING:
@@ -203,7 +204,7 @@ class Renderer:
         with self._lock:
             view = view_of(self._scene, self._width, self._height)
             if self._mode == "rgb":
-                picture: NDArray[Any] = artist.colors(self._scene, self._geoms, view)
+                picture: NDArray[Any] = shown(artist, self._scene, self._geoms, view)
             else:
                 draw = artist.depths if self._mode == "depth" else artist.objects
                 picture = draw(self._scene, self._geoms, view)
@@ -237,6 +238,9 @@ class Renderer:
     def close(self) -> None:
         """Release the memory; `render` cannot be called afterwards."""
         self._artist = None
+
+    def __reduce__(self) -> Any:
+        raise TypeError("cannot pickle 'Renderer' object: make one of the model in each process")
 
     def _open(self, what: str) -> Artist:
         if self._artist is None:
@@ -326,6 +330,9 @@ class BatchRenderer:
         with self._lock, ThreadPoolExecutor(share, thread_name_prefix="morse-pictures") as pool:
             list(pool.map(draw, range(share)))
         return pictures if several else pictures[:, 0]
+
+    def __reduce__(self) -> Any:
+        raise TypeError("cannot pickle 'BatchRenderer' object: make one of the model in each process")
 
     def close(self) -> None:
         """Release the memory; `render` cannot be called afterwards."""
