@@ -73,6 +73,21 @@ def test_a_robot_that_has_not_docked_does_not_say_so(tmp_path: Path) -> None:
     assert said.stdout.strip() == "0", said.stderr[-2000:]
 
 
+@pytest.mark.skipif(find_spec("filterpy") is None, reason="there is no filterpy: pip install 'filterpy>=2,<3'")
+@pytest.mark.peer("filterpy")
+def test_a_kalman_filter_of_filterpy_knows_more_than_its_sensors(tmp_path: Path) -> None:
+    corners, by_filter, by_gps, by_wheels = numbers(
+        "localisation/drive_by_filter.py",
+        r"(\d) corners, errors: filter ([\d.]+) m, GPS ([\d.]+) m, wheels ([\d.]+) m",
+        tmp_path,
+    )
+    assert corners == 8
+    # 0.5 m in each of two directions
+    assert by_gps == pytest.approx(0.5 * 2.0**0.5, rel=0.1)
+    assert by_filter < 0.4 * by_gps
+    assert by_filter < by_wheels
+
+
 @pytest.mark.skipif(find_spec("casadi") is None, reason="there is no CasADi: pip install casadi")
 @pytest.mark.peer("casadi")
 def test_a_quadrotor_flies_the_way_that_casadi_plans(tmp_path: Path) -> None:
