@@ -152,10 +152,63 @@ env.close()
 def test_packages_that_need_another_mujoco_draw_with_one_line_more(
     packages: tuple[str, ...], script: str, opengl: str, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    python = _environment(packages, tmp_path_factory)
+    _draw(_environment(packages, tmp_path_factory), script, opengl, (48, 64, 3))
+
+
+_ENVIRONMENT = """
+import gymnasium
+import {module}
+gymnasium.register_envs({module})
+env = gymnasium.make("{name}", render_mode="rgb_array", disable_env_checker=True)
+env.reset(seed=1)
+first = env.render().copy()
+for _ in range(20):
+    env.step(np.ones(env.action_space.shape, np.float32))
+second = env.render().copy()
+env.close()
+"""
+_PLAYGROUND = """
+from types import SimpleNamespace
+import mujoco
+from mujoco_playground import registry
+env = registry.load("CartpoleBalance")
+data = mujoco.MjData(env.mj_model)
+pictures = []
+for angle in (0.0, 0.5):
+    data.qpos[1] = angle
+    mujoco.mj_forward(env.mj_model, data)
+    pictures += env.render([SimpleNamespace(data=data)], height=48, width=64)
+first, second = pictures
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("packages", "script"),
+    [
+        (("gym-aloha==0.1.5",), _ENVIRONMENT.format(module="gym_aloha", name="gym_aloha/AlohaInsertion-v0")),
+        (
+            ("gymnasium-robotics==1.4.2", "mujoco==3.8.1"),
+            _ENVIRONMENT.format(module="gymnasium_robotics", name="FetchPickAndPlace-v4"),
+        ),
+        (
+            ("myosuite==3.0.0", "mujoco==3.8.1"),
+            _ENVIRONMENT.format(module="myosuite", name="myoElbowPose1D6MRandom-v0"),
+        ),
+        (("playground==0.2.0",), _PLAYGROUND),
+    ],
+)
+def test_environments_of_packages_draw_with_one_line_more(
+    packages: tuple[str, ...], script: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    _draw(_environment(packages, tmp_path_factory), script, "egl", None)
+
+
+def _draw(python: str, script: str, opengl: str, shape: tuple[int, ...] | None) -> None:
+    """Run a script that draws two pictures of one shape, in another environment."""
     source = Path(morse.__file__).parents[1]
     check = (
-        "assert first.shape == second.shape == (48, 64, 3) and first.std() > 10\n"
+        f"assert first.shape == second.shape == ({shape} or first.shape) and first.std() > 10\n"
         "assert not np.array_equal(first, second)\n"
         "assert sys.modules['mujoco'].MjrContext.__module__ == 'morse.eyes.opengl'\nprint('drawn')\n"
     )
