@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.core.reports.quoting import spreadsheet_cell
-from morse.many.run import RESERVED, is_row, name_of
+from morse.many.run import RESERVED as RESERVED
+from morse.many.run import is_row, name_of
 from morse.system.extras import install
 from morse.system.regular_files import RefusedFileError, is_regular, open_regular, read_regular
 from morse.system.whole_files import write_whole

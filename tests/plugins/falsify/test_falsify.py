@@ -266,6 +266,13 @@ def test_a_run_that_returns_everything_is_refused(script, tmp_path):
         scenario.falsify(tmp_path / "r", runs=40, workers=0)
 
 
+@pytest.mark.parametrize("name", ["error", "requirements", "seed"])
+def test_a_result_of_the_name_of_a_column_is_no_failure_of_the_software(script, tmp_path, name):
+    scenario = script(DRIVE.replace('return {"x"', f'return {{"{name}": 1.0, "x"'))
+    with pytest.raises(RequirementError, match=f"a result cannot be called '{name}'"):
+        scenario.falsify(tmp_path / "r", runs=40, workers=0)
+
+
 def test_a_controller_that_hangs_is_a_failure(script, tmp_path):
     text = """
 def run(sim, speed=0.0):

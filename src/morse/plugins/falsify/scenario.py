@@ -16,6 +16,7 @@ from morse.core.exceptions import MorseError
 from morse.core.reports.faults import describe
 from morse.core.reports.quoting import nearest
 from morse.many import Study
+from morse.many.results import RESERVED
 from morse.many.sources import imported
 from morse.plugins.falsify.expressions import Quantity, RequirementError
 from morse.plugins.falsify.programs import any_port
@@ -317,7 +318,7 @@ class Monitored:
         if returned is None:
             returned = {}
         results = returned if isinstance(returned, dict) else {"result": returned}
-        for name in (VERDICTS, KIND):
+        for name in (VERDICTS, KIND, *RESERVED):
             if name in results:
                 raise RequirementError(f"a result cannot be called '{name}': it is another column of the table")
         size = len(json.dumps(results, default=_numbers))
