@@ -1,4 +1,4 @@
-"""``morse view``: an MJCF file in a real browser, with sliders for its actuators."""
+"""``morse view``: a model in a real browser, with sliders for its actuators."""
 
 from __future__ import annotations
 
@@ -96,11 +96,39 @@ def test_the_scene_has_the_joints_and_the_key_frame(tmp_path: Path) -> None:
     assert "Armature" not in script_of(path, None).split("\n", 1)[1]
 
 
+_URDF = """<robot name="arm"><link name="base"><inertial><mass value="5"/>{inertia}</inertial>
+<collision><geometry><box size=".4 .4 .1"/></geometry></collision></link>
+<link name="upper"><inertial><mass value=".5"/>{inertia}</inertial></link>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="20" velocity="2"/></joint></robot>""".format(
+    inertia='<inertia ixx=".02" iyy=".02" izz=".02" ixy="0" ixz="0" iyz="0"/>'
+)
+_SDF = """<sdf version="1.9"><model name="arm"><link name="base"><inertial><mass>5</mass></inertial>
+<collision name="c"><geometry><box><size>.4 .4 .1</size></box></geometry></collision></link>
+<link name="upper"><inertial><mass>.5</mass></inertial></link>
+<joint name="shoulder" type="revolute"><parent>base</parent><child>upper</child>
+<axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper><effort>20</effort></limit></axis></joint>
+</model></sdf>"""
+
+
+@pytest.mark.parametrize(("name", "content"), [("arm.urdf", _URDF), ("arm.sdf", _SDF)])
+def test_joints_of_other_formats_are_moved(tmp_path: Path, name: str, content: str) -> None:
+    (tmp_path / name).write_text(content)
+    (tmp_path / "scene.py").write_text(script_of(tmp_path / name, None))
+    with morse.load(str(tmp_path / "scene.py")) as simulation:
+        simulation.robot.joints.publish({"shoulder": 0.6})
+        simulation.step(180)
+        world = simulation.context.world
+        upper = next(node for node, _ in world.moving_nodes() if node.name == "upper")
+        turned = world.find_object(upper).worldOrientation
+        assert np.arctan2(turned[1][0], turned[0][0]) == pytest.approx(0.6, abs=0.1)
+
+
 @pytest.mark.parametrize(
     ("name", "content", "told"),
     [
         ("none.xml", None, "There is no file"),
-        ("cart.urdf", MODEL, "shows MJCF files"),
+        ("cart.dae", MODEL, "shows MJCF, URDF and SDF files"),
         ("bad.xml", "<mujoco><worldbody><geom type='boxx'/></worldbody></mujoco>", "boxx"),
         ("cut.xml", MODEL[:200], "cannot be read"),
         ("empty.xml", "", "cannot be read"),

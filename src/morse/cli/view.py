@@ -1,4 +1,4 @@
-"""``morse view``: an MJCF file in the live view, with sliders for its actuators."""
+"""``morse view``: a model in the live view, with sliders for its actuators."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ from morse.simulation.options import RunOptions
 if TYPE_CHECKING:
     from morse.scene.library import Library
 
+_SUFFIXES = (".xml", ".mjcf", ".urdf", ".sdf")
+
 
 def command(
-    model: Annotated[str, typer.Argument(metavar="MODEL.xml", help="An MJCF file.", show_default=False)],
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="An MJCF, URDF or SDF file.", show_default=False)],
     key: Annotated[
         str | None, typer.Option("--key", metavar="NAME", help="Start in this key frame (default: the first one).")
     ] = None,
@@ -28,7 +30,7 @@ def command(
         float | None, typer.Option("--duration", min=0.0, help="End after that many simulated seconds.")
     ] = None,
 ) -> int:
-    """Show an MJCF file in the live view, with a slider for each actuator."""
+    """Show an MJCF, URDF or SDF file in the live view, with a slider for each actuator."""
     path = Path(model)
     text = script_of(path, key)
     # imported on demand, so that a wrong name does not load the simulator
@@ -56,8 +58,10 @@ def script_of(path: Path, key: str | None) -> str:
 
     if not path.is_file():
         raise CommandError(f"There is no file '{path}'.", status=2)
-    if path.suffix.lower() not in (".xml", ".mjcf"):
-        raise CommandError(f"`morse view` shows MJCF files, .xml or .mjcf, not '{path}'.", status=2)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise CommandError(
+            f"`morse view` shows MJCF, URDF and SDF files, {', '.join(_SUFFIXES)}, not '{path}'.", status=2
+        )
     try:
         library = loader.load(path)
     except (OSError, ValueError) as error:
