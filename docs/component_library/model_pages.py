@@ -63,7 +63,14 @@ def _library(name: str, category: str) -> Library:
 def _objects(library: Library, role: Role) -> str:
     groups = {member: name for name, members in library.collections.items() for member in members}
     roots = pick(library, role)
-    rows = [[code(root.name), *_facts(root), code(groups.get(root.source_name or root.name, ""))] for root in roots]
+    # copies of one object that are turned in another way have its size
+    first: dict[tuple[object, ...], list[str]] = {}
+    rows = []
+    for root in roots:
+        facts = _facts(root)
+        if root.mesh is not None and not root.children:
+            facts = first.setdefault((id(root.mesh), *root.scale, root.body.mass, root.body.type), facts)
+        rows.append([code(root.name), *facts, code(groups.get(root.source_name or root.name, ""))])
     lamps = sum(root.light is not None for root in roots)
     shown = [row for row, root in zip(rows, roots, strict=True) if root.light is None and root.camera is None]
     note = f"\nAnd {lamps} lamp{'s' if lamps > 1 else ''}.\n" if lamps else ""
