@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from morse.kernel.drawing.arrays import (
     SPOT,
     SUN,
     Light,
+    bounds_for,
 )
 from morse.kernel.memory import address
 from morse.mathutils.portable import matmul
@@ -96,6 +98,26 @@ def lights_of(scene: Any) -> list[Lit]:
     return lights
 
 
+class ShadowMap(NamedTuple):
+    """A shadow map.
+
+    Attributes:
+        frame: (16,) see ``sun`` and ``lamp_frame`` of `Light`; column and row 0 of the map of a spot are at the numbers
+            13 and 14, texels from the position of the light.
+        texels: (H, W) see ``shadow`` and ``lamp_shadow`` of `Light`.
+        bounds: of its blocks, see `Light`; None for the smallest maps.
+        version: another one for each map of this process.
+    """
+
+    frame: NDArray[np.float32]
+    texels: NDArray[np.float32]
+    bounds: NDArray[np.float32] | None
+    version: int
+
+
+_versions = count(1)
+
+
 class ShadowMaps:
     """The shadow maps of lights; a map is drawn again if its light or a surface has moved.
 
@@ -106,7 +128,7 @@ class ShadowMaps:
 
     def __init__(self, texels: int, finest: int) -> None:
         self._texels, self._finest = texels, finest
-        self._maps: list[tuple[object, NDArray[np.float32], NDArray[np.float32]]] = []
+        self._maps: list[tuple[object, ShadowMap]] = []
 
     def map_of(
         self,
@@ -118,8 +140,8 @@ class ShadowMaps:
         seen: NDArray[np.float64],
         casters: NDArray[np.float64] | None,
         scale: float,
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
-        """Return the frame (16,) and the map of a light, see `Light`; None if it casts no shadows that are seen.
+    ) -> ShadowMap | None:
+        """Return the map of a light; None if it casts no shadows that are seen.
 
         Args:
             number: of the map, which is kept.
@@ -134,15 +156,20 @@ class ShadowMaps:
         kept = self._maps[number] if number < len(self._maps) else None
         same = (key, parts.tobytes(), poses.models.tobytes())
         if kept is not None and kept[0] == same:
-            return kept[1], kept[2]
+            return kept[1]
         before = drawer.drawing.parts
         drawer.arrange(parts)
         draw = self._from_afar if light.directional else self._from_near
         drawn = draw(light, drawer, poses, seen, casters, scale)
         drawer.arrange(before)
-        if drawn is not None:
-            self._maps[number : number + 1] = [(same, *drawn)]
-        return drawn
+        if drawn is None:
+            return None
+        bounds = bounds_for(drawn[1])
+        if bounds is not None:
+            drawer.bound(drawn[1], bounds)
+        made = ShadowMap(*drawn, bounds, next(_versions))
+        self._maps[number : number + 1] = [(same, made)]
+        return made
 
     def _texel(self, usual: float, side: float, whole: float) -> float:
         """The size of a texel of a map that is a part of another one, which may be finer, but not than MuJoCo's."""
@@ -234,7 +261,7 @@ class ShadowMaps:
         matrix = matmul(np.array([[focal, 0, cx], [0, focal, cy], [0, 0, 1.0]]), axes)
         frame = np.zeros(16)
         frame[:12] = np.column_stack([matrix, matmul(-matrix, light.place)]).ravel()
-        frame[12] = 1 / focal
+        frame[12], frame[13], frame[14] = 1 / focal, cx, cy
         return frame.astype(np.float32), shadow
 
 
@@ -275,9 +302,7 @@ class Surroundings(NamedTuple):
     fog: tuple[NDArray[np.float64], float, float] | None
 
 
-def classic(
-    lights: list[Lit], maps: list[tuple[NDArray[np.float32], NDArray[np.float32]] | None], around: Surroundings
-) -> Light:
+def classic(lights: list[Lit], maps: list[ShadowMap | None], around: Surroundings) -> Light:
     """The lights of OpenGL; `maps` are those of each light."""
     rows = np.zeros(len(lights), CLASSIC_LIGHT)
     number = 0
@@ -288,9 +313,9 @@ def classic(
         row["exponent"], row["directional"] = light.exponent, light.directional
         if shadow is not None and number < MOST_SHADOWS:
             number += 1
-            row["number"], row["frame"] = number, shadow[0]
-            row["height"], row["width"] = shadow[1].shape
-            row["shadow"] = address(shadow[1]) or 0
+            row["number"], row["frame"], row["version"] = number, shadow.frame, shadow.version
+            row["height"], row["width"] = shadow.texels.shape
+            row["shadow"], row["bounds"] = address(shadow.texels) or 0, address(shadow.bounds) or 0
     rest = np.zeros(1, CLASSIC)
     rest["light_count"], rest["shadow_count"], rest["sky"] = len(lights), number, around.sky
     rest["haze"], rest["ring"], rest["far"] = around.haze, max(around.ring, 1e-6), around.far
@@ -307,9 +332,7 @@ _FULL = math.pi
 _SKY = ((0.905, 0.939, 0.965), (0.156, 0.381, 0.730), (0.546, 0.597, 0.645), (1.0, 0.880, 0.672))
 
 
-def of_scenes(
-    lights: list[Lit], maps: list[tuple[NDArray[np.float32], NDArray[np.float32]] | None], around: Surroundings
-) -> Light:
+def of_scenes(lights: list[Lit], maps: list[ShadowMap | None], around: Surroundings) -> Light:
     """The lamps of scenes: a sun and a spot with shadows, the other lights without, and light of the sky."""
     rows: list[tuple[object, ...]] = []
     light_of_scene = NO_LIGHT
@@ -322,7 +345,7 @@ def of_scenes(
         if light.directional:
             casts = shadow is not None and light_of_scene.shadow is None
             if shadow is not None and casts:
-                light_of_scene = light_of_scene._replace(sun=shadow[0], shadow=shadow[1])
+                light_of_scene = light_of_scene._replace(sun=shadow.frame, shadow=shadow.texels)
                 towards = light.towards
             rows.append((SUN, none, to, tuple(color), 0.0, float(casts), 0.0, none))
         elif light.cutoff >= math.pi / 2 - 1e-3:
@@ -330,7 +353,7 @@ def of_scenes(
         else:
             casts = shadow is not None and light_of_scene.lamp_shadow is None
             if shadow is not None and casts:
-                light_of_scene = light_of_scene._replace(lamp_frame=shadow[0], lamp_shadow=shadow[1])
+                light_of_scene = light_of_scene._replace(lamp_frame=shadow.frame, lamp_shadow=shadow.texels)
             outer, inner = math.cos(light.cutoff), math.cos(0.6 * light.cutoff)
             rows.append((SPOT, here, to, tuple(color), 0.0, outer, inner, (float(casts), 0.0, 0.0)))
     above = ambient * _FULL

@@ -32,14 +32,14 @@ from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_sc
 from morse.eyes.store import SKY, store_of
 from morse.kernel.drawing.arrays import CAMERA
 from morse.kernel.drawing.composing import Composition, depths_of, objects_of
-from morse.kernel.drawing.native import NativeDrawer, drawer
+from morse.kernel.drawing.native import Kept, NativeDrawer, drawer
 from morse.mathutils.rotations import cross
 from morse.rendering.meshes import spheres_around
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.eyes.light import Lit
+    from morse.eyes.light import Lit, ShadowMap
     from morse.eyes.store import Prepared
     from morse.kernel.drawing.arrays import Light, Pictures, Poses
     from morse.kernel.drawing.composing import Box
@@ -179,6 +179,8 @@ class Artist:
         self._solid: tuple[Instances, bytes, NDArray[np.int32]] | None = None
         #: what the last depths and ids depend on, and these: the picture of colours has them, too
         self._surface: tuple[object, NDArray[np.float32], NDArray[np.int32]] | None = None
+        #: the last pictures of cameras that stand
+        self._kept: dict[object, tuple[object, Kept]] = {}
 
     def depths(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.float32]:
         """The depth (H, W), m, of all geoms as opaque ones."""
@@ -213,7 +215,8 @@ class Artist:
             if away.any():
                 parts = parts[~away[instances.geoms][instances.owner]]
             draw.arrange(parts, maps=instances.maps)
-            pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1)
+            kept = self._memories("surfaces", instances, parts)
+            pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1, kept)
             self._surface = key, pictures.depth, pictures.ids
         return *self._surface[1:], instances
 
@@ -237,11 +240,12 @@ class Artist:
         make = classic if self._plain else of_scenes
         light = make(lights, maps, around)
 
-        def drawn(parts: NDArray[np.int32], own: View, light: Light = light) -> Pictures:
+        def drawn(parts: NDArray[np.int32], own: View, light: Light = light, name: object = None) -> Pictures:
             draw.arrange(parts)
-            return draw.draw(own.row(color=True), poses, light, 5)
+            kept = () if name is None else self._memories(name, instances, parts)
+            return draw.draw(own.row(color=True), poses, light, 5, kept)
 
-        first = drawn(solid, view)
+        first = drawn(solid, view, name="picture")
         # in depths and ids, planes reach to the far plane
         if not clear.any() and not (len(instances.infinite) and reach < view.far - view.shift):
             self._surface = self._key(scene, g, view), first.depth, first.ids
@@ -263,7 +267,7 @@ class Artist:
                     others = solid[~unseen[instances.geoms[solid[:, 1]]]]
                     if not len(others):
                         continue
-                    image = drawn(others, mirrored.cut(_mirrored(box, view)), dim)
+                    image = drawn(others, mirrored.cut(_mirrored(box, view)), dim, ("mirror", int(number)))
                     picture.reflect(image, box, chosen, float(g["reflectance"][number]))
         for numbers, box in layers:
             chosen = np.isin(instances.geoms, numbers)
@@ -271,6 +275,16 @@ class Artist:
             # MuJoCo draws translucent surfaces twice
             picture.cover(image, box, chosen, 1 - (1 - float(opacity[numbers[0]])) ** 2)
         return picture.codes()
+
+    def _memories(self, name: object, instances: Instances, parts: NDArray[np.int32]) -> tuple[Kept, ...]:
+        """What is kept of the last picture of a purpose; nothing if it may differ in more than poses and lights."""
+        if instances.prepared.moving:
+            return ()
+        key = self._of, instances.maps.tobytes(), parts.tobytes()
+        kept = self._kept.get(name)
+        if kept is None or kept[0] != key:
+            kept = self._kept[name] = key, Kept()
+        return (kept[1],)
 
     def _opaque(self, instances: Instances, clear: NDArray[np.bool_]) -> NDArray[np.int32]:
         """The parts of the geoms that are not clear."""
@@ -332,9 +346,9 @@ class Artist:
         lights: list[Lit],
         poses: Poses,
         view: View,
-    ) -> list[tuple[NDArray[np.float32], NDArray[np.float32]] | None]:
+    ) -> list[ShadowMap | None]:
         """The shadow maps of lights."""
-        maps: list[Any] = [None] * len(lights)
+        maps: list[ShadowMap | None] = [None] * len(lights)
         casting = g["castshadow"] != 0 if "castshadow" in (g.dtype.names or ()) else np.ones(len(g), bool)
         # lines are as wide as texels there
         casting &= ~np.isin(g["type"], LINES)

@@ -29,9 +29,26 @@ static inline float slope(float from, float to) {
     return s > -STEEPEST && s < STEEPEST ? s : 0;
 }
 
+// Whether the texels from some columns and rows to before others show no surface.
+static inline int is_blank(const float *texels, int32_t width, int32_t x, int32_t y, int32_t right, int32_t bottom) {
+    I8 found = splat_int(0);
+    for (int32_t row = y; row < bottom; row++)
+        for (int32_t from = x; from < right; from += LANES) {
+            F8 t;
+            memcpy(&t, texels + (int64_t)row * width + lower_of(from, right - LANES), sizeof t);
+            found |= t > splat(LOWEST);
+        }
+    return !any(found);
+}
+
+// Whether nothing casts a shadow on the points for which a block with these bounds is read.
+static inline int is_lit_block(const ShadowBlock *b) { return b->high <= LOWEST; }
+
 // The bounds of a block whose texels begin at a column and a row.
 static inline ShadowBlock bound(const float *texels, int32_t width, int32_t height, int32_t x, int32_t y) {
     const int32_t right = lower_of(x + READ, width), bottom = lower_of(y + READ, height);
+    const float first = texels[(int64_t)y * width + x];
+    if (is_blank(texels, width, x, y, right, bottom)) return (ShadowBlock){0, 0, first, first};
     const float *middle =
         texels + (int64_t)lower_of(y + SIDE / 2, bottom - 2) * width + lower_of(x + SIDE / 2, right - 2);
     const float across = slope(middle[0], middle[1]), down = slope(middle[0], middle[width]);
@@ -40,11 +57,11 @@ static inline ShadowBlock bound(const float *texels, int32_t width, int32_t heig
     for (int32_t row = y; row < bottom; row++) {
         // the last columns are read twice if the block is narrow or its width is no multiple of the lanes
         for (int32_t from = x; from < right; from += LANES) {
-            const int32_t first = lower_of(from, right - LANES);
+            const int32_t column = lower_of(from, right - LANES);
             F8 t;
-            memcpy(&t, texels + (int64_t)row * width + first, sizeof t);
+            memcpy(&t, texels + (int64_t)row * width + column, sizeof t);
             most = greater(most, pick(t > splat(LOWEST), greater(t, -t), splat(0)));
-            t -= ramp + ((float)(first - x) * across + (float)(row - y) * down);
+            t -= ramp + ((float)(column - x) * across + (float)(row - y) * down);
             low = lesser(t, low), high = greater(t, high);
         }
     }

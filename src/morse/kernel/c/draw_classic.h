@@ -139,7 +139,7 @@ static inline void interpolate_one(const Frame *f, Looks *l, const Corners *c) {
 
 // The share of a light that reaches eight points.
 static inline F8 classic_share(const ClassicLight *l, V3 place, V3 n) {
-    const ShadowMap m = {l->shadow, l->frame, 0, l->width, l->height};
+    const ShadowMap m = {l->shadow, l->frame, l->bounds, l->width, l->height};
     F8 share = splat(-1);
     if (l->directional) {
         look_up(&m, place, n, &share);

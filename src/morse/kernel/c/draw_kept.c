@@ -8,12 +8,16 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "draw_bounds.h"
 #include "draw_corners.h"
 
 // Distance of samples from the bounds of triangles, and all rounding errors, pixels.
 #define PIXEL_MARGIN 3.0
 // Bound of the rounding errors of spheres, relative to their radius.
 #define SPHERE_ROUNDING 1e-3
+// Margin of texels that are converted to those of another map: texels, and relative to the origins of the maps.
+#define READ_MARGIN 2.0
+#define READ_ROUNDING 1e-5
 
 // The tile of a coordinate: 0 to `count`.
 static inline int32_t tile_of(double pixel, int32_t count) {
@@ -109,6 +113,45 @@ static void mark_lamp(const Frame *f, const Camera *k, const Kept *kept) {
     }
 }
 
+// Where column (axis 0) or row (axis 1) 0 of a map is, in texels from the position of its light, along its axes.
+static inline double origin_of(const ClassicLight *l, int axis) {
+    return (double)l->frame[l->directional ? 4 * axis + 3 : 13 + axis];
+}
+
+int draw_is_lit(const ClassicLight *before, const ClassicLight *now, const int32_t *r) {
+    const int32_t size[2] = {now->width, now->height};
+    // the smallest maps have no bounds
+    if (!now->bounds) return 0;
+    const double scale = (double)before->frame[12] / (double)now->frame[12];
+    int32_t low[2], high[2];
+    EACH(i, 2) {
+        const double from = origin_of(before, i), to = origin_of(now, i);
+        const double margin = READ_MARGIN * (1 + scale) + READ_ROUNDING * (fabs(from) * scale + fabs(to));
+        const double first = (r[i] - from) * scale + to - margin, last = (r[i + 2] - from) * scale + to + margin;
+        // false for NaN
+        low[i] = first > 0 ? (first < size[i] ? (int32_t)first : size[i]) : 0;
+        high[i] = last < size[i] ? (last > 0 ? (int32_t)ceil(last) : 0) : size[i];
+    }
+    for (int32_t y = low[1] / SIDE; y * SIDE < high[1]; y++)
+        for (int32_t x = low[0] / SIDE; x * SIDE < high[0]; x++)
+            if (!is_lit_block(now->bounds + y * blocks_across(now->width) + x)) return 0;
+    return 1;
+}
+
+// Marks the tiles in which a shadow of a light may have changed. Its map is made anew whenever something moves, with
+// other texels: only tiles without a shadow, before and now, are the same.
+static void mark_classic(const Frame *f, const Camera *k, const Kept *kept) {
+    EACH(j, f->classic->light_count) {
+        const ClassicLight *now = f->classic_lights + j, *before = kept->lights + j;
+        if (!now->number || now->version == before->version) continue;
+        EACH(t, tiles_of(k)) {
+            const int32_t *r = kept->reads[t][now->number - 1];
+            if (f->drawn[k->tile + t] || r[0] >= r[2]) continue;
+            f->drawn[k->tile + t] = (uint8_t)(r[0] == SHADOWED || !draw_is_lit(before, now, r));
+        }
+    }
+}
+
 int64_t draw_mark(Frame *f, int32_t camera) {
     const Camera *k = f->cameras + camera;
     Kept *kept = kept_of(f, camera);
@@ -118,7 +161,9 @@ int64_t draw_mark(Frame *f, int32_t camera) {
     if (kept) {
         if (kept->is_complete) {
             mark_moved(f, k, kept);
-            if (k->color) {
+            if (k->color && f->classic) {
+                mark_classic(f, k, kept);
+            } else if (k->color) {
                 mark_shadows(f, k, kept, SUN_MAP, f->shadow_changes, f->shadow_width, f->shadow_height);
                 mark_shadows(f, k, kept, NEAR_MAP, f->near_changes, f->near_width, f->near_height);
                 mark_lamp(f, k, kept);

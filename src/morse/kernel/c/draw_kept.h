@@ -10,6 +10,11 @@
 
 static inline int32_t change_blocks(int32_t texels) { return (texels + (1 << CHANGE_SHIFT) - 1) >> CHANGE_SHIFT; }
 
+// Largest number of a texel that is read, also beside a map of the classic look.
+#define FARTHEST_READ (1 << 24)
+// The first column of a rectangle of texels in which there is a surface.
+#define SHADOWED INT32_MIN
+
 // A rectangle: tiles, or texels; one past the end.
 typedef struct {
     int32_t x0, y0, x1, y1;
@@ -19,6 +24,9 @@ typedef struct {
 int64_t draw_mark(Frame *f, int32_t camera);
 // The tiles in which a sphere of an instance may be visible.
 Region draw_tiles_around(const Camera *k, const float *model, const float *sphere);
+// Whether no surface casts a shadow of a light on the points for which some texels of its map were read, x0, y0, x1,
+// y1; the map may have been another one then.
+int draw_is_lit(const ClassicLight *before, const ClassicLight *now, const int32_t *r);
 // Copies a tile from the last image.
 void draw_take_over(const Frame *f, int64_t tile);
 // Copies a tile for the next image.

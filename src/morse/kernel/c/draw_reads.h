@@ -4,6 +4,8 @@
 #include <stdint.h>
 
 #include "draw_blocks.h"
+#include "draw_bounds.h"
+#include "draw_kept.h"
 #include "drawing.h"
 #include "simd.h"
 
@@ -69,48 +71,61 @@ static inline float least_of(F8 a) {
     return r;
 }
 
-// A texel of a coordinate, 0 to `size`.
-static inline int32_t texel_at(float coordinate, int32_t size) {
+// A texel of a coordinate, between two limits.
+static inline int32_t texel_at(float coordinate, int32_t first, int32_t end) {
     // false for NaN
-    return coordinate > 0 ? (coordinate < (float)size ? (int32_t)coordinate : size) : 0;
+    return coordinate > (float)first ? (coordinate < (float)end ? (int32_t)floorf(coordinate) : end) : first;
 }
 
-// Includes the texels between coordinates in a rectangle.
-static inline void include(int32_t *r, F8 low, F8 high, F8 low_y, F8 high_y, int32_t width, int32_t height) {
-    const int32_t x0 = texel_at(least_of(low) - TEXEL_MARGIN, width);
-    const int32_t y0 = texel_at(least_of(low_y) - TEXEL_MARGIN, height);
-    const int32_t x1 = texel_at(-least_of(-high) + TEXEL_MARGIN + 1, width);
-    const int32_t y1 = texel_at(-least_of(-high_y) + TEXEL_MARGIN + 1, height);
+// Includes the texels between coordinates in a rectangle, which are between two of `limits`.
+static inline void include(int32_t *r, F8 low, F8 high, F8 low_y, F8 high_y, const Region *limits) {
+    const int32_t x0 = texel_at(least_of(low) - TEXEL_MARGIN, limits->x0, limits->x1);
+    const int32_t y0 = texel_at(least_of(low_y) - TEXEL_MARGIN, limits->y0, limits->y1);
+    const int32_t x1 = texel_at(-least_of(-high) + TEXEL_MARGIN + 1, limits->x0, limits->x1);
+    const int32_t y1 = texel_at(-least_of(-high_y) + TEXEL_MARGIN + 1, limits->y0, limits->y1);
     if (x0 >= x1 || y0 >= y1) return;
     r[0] = x0 < r[0] ? x0 : r[0], r[1] = y0 < r[1] ? y0 : r[1];
     r[2] = x1 > r[2] ? x1 : r[2], r[3] = y1 > r[3] ? y1 : r[3];
 }
 
 // The texels of a map of the sun.
-static inline void include_sun(int32_t *r, const float *s, const Corners8 *c, int32_t width, int32_t height) {
+static inline void include_sun(int32_t *r, const float *s, const Corners8 *c, Region limits) {
     F8 du, dv;
     const F8 u = coordinate(s, c, &du), v = coordinate(s + 4, c, &dv);
-    include(r, u - du, u + du, v - dv, v + dv, width, height);
+    include(r, u - du, u + du, v - dv, v + dv, &limits);
 }
 
 // The texels of the map of a spot lamp.
-static inline void include_lamp(int32_t *r, const float *s, const Corners8 *c, int32_t width, int32_t height) {
+static inline void include_lamp(int32_t *r, const float *s, const Corners8 *c, Region limits) {
     F8 du, dv, dw;
     const F8 u = coordinate(s, c, &du), v = coordinate(s + 4, c, &dv), w = coordinate(s + 8, c, &dw);
     // the lamp does not shine backwards
     if (least_of(-w - dw) > 0) return;
     if (!(least_of(w - dw - dw) > LEAST_DEPTH)) {
-        r[0] = r[1] = 0, r[2] = width, r[3] = height;
+        r[0] = limits.x0, r[1] = limits.y0, r[2] = limits.x1, r[3] = limits.y1;
         return;
     }
     const F8 scale = 1 / (w - dw), x = u / w, y = v / w;
     const F8 dx = (du + size_of(x) * dw) * scale, dy = (dv + size_of(y) * dw) * scale;
-    include(r, x - dx, x + dx, y - dy, y + dy, width, height);
+    include(r, x - dx, x + dx, y - dy, y + dy, &limits);
+}
+
+// The same of the lights of the classic look. What is beside their maps is lit, and may be in the next ones.
+static inline void include_classic(const Frame *f, const Corners8 *c, int32_t (*reads)[4]) {
+    const Region limits = {-FARTHEST_READ, -FARTHEST_READ, FARTHEST_READ, FARTHEST_READ};
+    EACH(j, f->classic->light_count) {
+        const ClassicLight *l = f->classic_lights + j;
+        if (!l->number) continue;
+        if (l->directional)
+            include_sun(reads[l->number - 1], l->frame, c, limits);
+        else
+            include_lamp(reads[l->number - 1], l->frame, c, limits);
+    }
 }
 
 // Sets the texels of each map that are read for a tile: x0, y0, x1, y1, one past the end.
 static void find_reads(const Frame *f, const Camera *k, const Tile *t, int32_t (*reads)[4]) {
-    EACH(i, MAPS) reads[i][0] = reads[i][1] = INT32_MAX, reads[i][2] = reads[i][3] = 0;
+    EACH(i, READS) reads[i][0] = reads[i][1] = INT32_MAX, reads[i][2] = reads[i][3] = 0;
     EACH(column, COLUMNS) EACH(row, TILE / BLOCK_ROWS) {
         const int x = column * LANES, y = row * BLOCK_ROWS;
         const Extent e = extent_of(t, (Box){x, y, x + LANES - 1, y + BLOCK_ROWS - 1});
@@ -121,8 +136,19 @@ static void find_reads(const Frame *f, const Camera *k, const Tile *t, int32_t (
         low = low * (1 - DEPTH_ROUNDING) > 1 / k->far ? low * (1 - DEPTH_ROUNDING) : 1 / k->far;
         high = high * (1 + DEPTH_ROUNDING) < 1 / k->near ? high * (1 + DEPTH_ROUNDING) : 1 / k->near;
         const Corners8 c = corners_of(k, e, 1 / high, 1 / low);
-        if (f->shadow_width) include_sun(reads[SUN_MAP], f->sun, &c, f->shadow_width, f->shadow_height);
-        if (f->near_width) include_sun(reads[NEAR_MAP], f->near_sun, &c, f->near_width, f->near_height);
-        if (f->lamp_width) include_lamp(reads[LAMP_MAP], f->lamp_frame, &c, f->lamp_width, f->lamp_height);
+        if (f->classic) {
+            include_classic(f, &c, reads);
+            continue;
+        }
+        if (f->shadow_width) include_sun(reads[SUN_MAP], f->sun, &c, (Region){0, 0, f->shadow_width, f->shadow_height});
+        if (f->near_width) include_sun(reads[NEAR_MAP], f->near_sun, &c, (Region){0, 0, f->near_width, f->near_height});
+        if (f->lamp_width)
+            include_lamp(reads[LAMP_MAP], f->lamp_frame, &c, (Region){0, 0, f->lamp_width, f->lamp_height});
+    }
+    if (!f->classic) return;
+    EACH(j, f->classic->light_count) {
+        const ClassicLight *l = f->classic_lights + j;
+        int32_t *r = l->number ? reads[l->number - 1] : NULL;
+        if (r && r[0] < r[2] && !draw_is_lit(l, l, r)) r[0] = SHADOWED;
     }
 }

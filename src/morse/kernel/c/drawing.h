@@ -49,15 +49,24 @@ typedef struct {
 // Lights of a corner: of all lights without shadows, then of those with shadows; red, green and blue of each.
 #define CORNER_LIGHTS (3 * (1 + MOST_SHADOWS))
 
+// All texels that are read for a point in a block of a shadow map are between two planes: their changes to the right
+// and down, and their values at its first texel.
+typedef struct {
+    float across, down, low, high;
+} ShadowBlock;
+
 // A light of the classic look, as OpenGL has it. `cutoff` is a cosine, -1 for light in all directions. Lights with a
-// shadow map are numbered from 1 in `number`, the others have 0.
+// shadow map are numbered from 1 in `number`, the others have 0. `version` is another one for each map. Maps of a light
+// that stands differ by the size of a texel, frame[12], and their origin: see `origin_of`.
 typedef struct {
     float place[3], towards[3], ambient[3], diffuse[3], specular[3], attenuation[3], cutoff, exponent, frame[16];
     int32_t directional, number, width, height;
     const float *shadow;
+    const ShadowBlock *bounds;  // of each block of the map
+    int64_t version;
 } ClassicLight;
 
-_Static_assert(sizeof(ClassicLight) == 168, "CLASSIC_LIGHT in morse/kernel/drawing/arrays.py");
+_Static_assert(sizeof(ClassicLight) == 184, "CLASSIC_LIGHT in morse/kernel/drawing/arrays.py");
 
 // The rest of the classic look. `sky` is the first of six textures: +X, -X, +Y, -Y, +Z and -Z; -1 without. The haze is
 // a ring of radius `far` around the camera on a plane (its normal and its offset), the border of the plane, which
@@ -93,12 +102,6 @@ typedef struct {
     int16_t x0, y0, x1, y1;
 } Bounds;
 
-// All texels that are read for a point in a block of a shadow map are between two planes: their changes to the right
-// and down, and their values at its first texel.
-typedef struct {
-    float across, down, low, high;
-} ShadowBlock;
-
 // Jobs of a camera that a thread takes at once: `first` to before `end`. `row` is its first number in Frame.shares.
 typedef struct {
     int32_t camera, first, end, spare;
@@ -107,6 +110,9 @@ typedef struct {
 
 // The shadow maps.
 enum { SUN_MAP, NEAR_MAP, LAMP_MAP, MAPS };
+// Rectangles of texels that are read for a tile: of each of them, or of each light with shadows of the classic look.
+#define READS MOST_SHADOWS
+_Static_assert((int)MAPS <= (int)READS, "each map has a rectangle");
 
 // What is kept of the last image of a camera; `_Kept` in morse/kernel/drawing/native.py.
 typedef struct {
@@ -116,7 +122,8 @@ typedef struct {
     float (*normals)[3];
     float (*models)[12], (*turns)[9];  // of all instances, in this image
     const float *lamp_shadow;          // the map of this image
-    int32_t (*reads)[MAPS][4];         // texels that are read for each tile: x0, y0, x1, y1, one past the end
+    int32_t (*reads)[READS][4];        // texels that are read for each tile: x0, y0, x1, y1, one past the end
+    const ClassicLight *lights;        // the lights of this image in the classic look
     int64_t change;                    // Frame.change at this image
     int32_t instances, is_complete;
 } Kept;

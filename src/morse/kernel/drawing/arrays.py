@@ -74,6 +74,8 @@ CLASSIC_LIGHT = np.dtype(
         ("width", "i4"),
         ("height", "i4"),
         ("shadow", "u8"),
+        ("bounds", "u8"),
+        ("version", "i8"),
     ]
 )
 #: maximum number of lights of the classic look that cast shadows
@@ -211,7 +213,8 @@ class Light(NamedTuple):
         shadow_changes, near_changes: (N,) int64, numbers of the last changes of these maps; see `changes_for`.
         classic: (1,) `CLASSIC`, the look of the fixed pipeline of OpenGL instead of all of the above, without gamma
             correction; None for the look of scenes.
-        classic_lights: (L,) `CLASSIC_LIGHT`; ``shadow`` is the address of an array that the caller keeps.
+        classic_lights: (L,) `CLASSIC_LIGHT`; ``shadow`` and ``bounds`` are the addresses of arrays that the caller
+            keeps.
     """
 
     lamps: NDArray[np.void]

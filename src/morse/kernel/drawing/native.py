@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel import threads
-from morse.kernel.drawing.arrays import CHUNK, ENCODED, PLAIN_CODES, SAMPLES, SEEN, TILE, Pictures, number_tiles
+from morse.kernel.drawing.arrays import (
+    CHUNK,
+    ENCODED,
+    MOST_SHADOWS,
+    PLAIN_CODES,
+    SAMPLES,
+    SEEN,
+    TILE,
+    Pictures,
+    number_tiles,
+)
 from morse.kernel.loading import library
 from morse.kernel.memory import address, aligned, pointer
 
@@ -20,9 +30,11 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
 
 
-#: shadow maps
-_MAPS = 3
-_ARRAYS = ("rgba", "depth", "ids", "normals", "models", "turns", "lamp_shadow", "reads")
+#: rectangles of texels of shadow maps
+_READS = MOST_SHADOWS
+_ARRAYS = ("rgba", "depth", "ids", "normals", "models", "turns", "lamp_shadow", "reads", "lights")
+#: what a classic light has of its shadow map, which the kernel compares
+_OF_MAPS = ("frame", "width", "height", "shadow", "bounds", "version")
 
 
 class _Kept(ctypes.Structure):
@@ -41,12 +53,20 @@ class Lit:
 
     Attributes:
         key: the numbers.
+        classic_lights: those of the classic look, with their maps.
         maps: the arrays that count the changes of the shadow maps.
     """
 
     def __init__(self, light: Light, samples: int) -> None:
-        arrays = (light.lamps, light.sky, light.sun, light.near_sun, light.lamp_frame)
-        self.key = (samples, *(None if array is None else array.tobytes() for array in arrays))
+        self.classic_lights = light.classic_lights
+        lights = light.classic_lights
+        if lights is not None:
+            lights = lights.copy()
+            for name in _OF_MAPS:
+                lights[name] = 0
+        arrays = (light.lamps, light.sky, light.sun, light.near_sun, light.lamp_frame, light.classic, lights)
+        shape = None if light.lamp_shadow is None else light.lamp_shadow.shape
+        self.key = (samples, shape, *(None if array is None else array.tobytes() for array in arrays))
         self.maps = (light.shadow_changes, light.near_changes)
         self.lamp_shadow = light.lamp_shadow
         #: shadow maps whose changes are not counted may have changed
@@ -97,6 +117,8 @@ class NativeKept:
         """The image is complete."""
         self._arrays["lamp_shadow"] = lit.lamp_shadow
         self._structure.lamp_shadow = address(lit.lamp_shadow)
+        self._arrays["lights"] = lit.classic_lights
+        self._structure.lights = address(lit.classic_lights)
         self._structure.is_complete = 1
 
     def _make_room(self, camera: np.void, instances: int) -> None:
@@ -115,7 +137,8 @@ class NativeKept:
             "models": np.empty((instances + 1, 12), np.float32),
             "turns": np.empty((instances + 1, 9), np.float32),
             "lamp_shadow": None,
-            "reads": np.empty((tiles, _MAPS, 4), np.int32),
+            "reads": np.empty((tiles, _READS, 4), np.int32),
+            "lights": None,
         }
         self._structure = _Kept(**{name: address(array) for name, array in self._arrays.items()}, instances=instances)
 
@@ -346,7 +369,9 @@ class NativeDrawer:
         self._light(light, poses, samples)
         frame.point(cameras=cameras, **self._room_for(count, tiles))
         frame.camera_count, frame.tile_count = count, tiles
-        lit, pointers = self._begin(cameras, memories, poses, light, samples)
+        lit, pointers = self._begin(cameras, memories, poses, light, samples) if memories else (None, [])
+        if not memories:
+            frame.point(kept=None)
         frame.job_count = self._library.morse_draw_find(ctypes.byref(frame))
         colour = np.empty((pixels if cameras["color"].any() else 0, 4), np.uint8)
         normals = np.empty((pixels if cameras["normals"].any() else 0, 3), np.float32)
@@ -355,6 +380,7 @@ class NativeDrawer:
         self._draw(tiles)
         frame.forget(*_OF_ONE_CALL)
         for one in pointers:
+            assert lit is not None
             one.end(lit)
         self.drawn_tiles = frame.drawn_count
         return pictures
@@ -440,8 +466,12 @@ class NativeDrawer:
     def bound_shadows(self, light: Light) -> None:
         """Set the bounds of all blocks of the shadow map."""
         if light.shadow is not None and light.shadow_bounds is not None:
-            height, width = light.shadow.shape
-            self._library.morse_draw_bounds(pointer(light.shadow), width, height, pointer(light.shadow_bounds))
+            self.bound(light.shadow, light.shadow_bounds)
+
+    def bound(self, shadow: NDArray[np.float32], bounds: NDArray[np.float32]) -> None:
+        """Set the bounds of all blocks of a shadow map; see `bounds_for`."""
+        height, width = shadow.shape
+        self._library.morse_draw_bounds(pointer(shadow), width, height, pointer(bounds))
 
     def moving_shadows(self, parts: NDArray[np.integer], light: Light) -> NativeMovers:
         """Return the shadows of parts that may move, in a map that has the shadows of the others already."""
