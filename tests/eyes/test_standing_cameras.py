@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import morse
+from morse.eyes import picture
 
 #: a mirror, a sky, shadows of both kinds of lights, textures, a translucent geom, and a tendon
 XML = """<mujoco><asset><texture type="skybox" builtin="gradient" rgb1=".3 .5 .7" rgb2="0 0 0" width="64" height="384"/>
@@ -64,9 +65,9 @@ def test_pictures_after_changes_are_those_of_a_new_renderer(look):
             camera = "side" if camera == "front" else "front"
         mujoco.mj_forward(model, data)
         with morse.Renderer(model, *SIZE, look=look) as other:
-            pictures = zip(KINDS, draw(renderer, data, camera), draw(other, data, camera), strict=True)
-            for kind, picture, expected in pictures:
-                np.testing.assert_array_equal(picture, expected, f"{number}: {kind} after {name}")
+            pairs = zip(KINDS, draw(renderer, data, camera), draw(other, data, camera), strict=True)
+            for kind, got, expected in pairs:
+                np.testing.assert_array_equal(got, expected, f"{number}: {kind} after {name}")
 
 
 @pytest.mark.parametrize("light", ['directional="true" pos="0 0 5" dir=".3 .2 -1"', 'pos="0 0 4" dir="0 0 -1"'])
@@ -89,3 +90,20 @@ def test_only_what_moves_and_its_shadow_are_drawn_again(light):
     assert drawn[:2] == [5 * 7, 5 * 7]
     assert drawn[3] == 0
     assert 0 < drawn[4] < 24
+
+
+def test_tendons_that_change_their_lengths_are_drawn_with_the_same_shapes(monkeypatch):
+    model = mujoco.MjModel.from_xml_string(XML)
+    data = mujoco.MjData(model)
+    renderer = morse.Renderer(model, *SIZE)
+    mujoco.mj_forward(model, data)
+    draw(renderer, data, "front")
+    monkeypatch.setattr(picture, "instances_of", None)
+    data.mocap_pos[0] = -0.3, 0.1, 0.8
+    mujoco.mj_forward(model, data)
+    ids = draw(renderer, data, "front")[2]
+    columns = np.nonzero((ids == (0, mujoco.mjtObj.mjOBJ_TENDON)).all(axis=2))[1]
+    # the nail and the border of the ball, from (0, -3, 1.6) with a focal length of 75 / tan(22.5 degrees) = 181 pixels:
+    # their depths are 3.77 and 3.17 m
+    assert columns.max() == pytest.approx(100 + 181 * 0.8 / 3.77, abs=2)
+    assert 100 - 181 * 0.3 / 3.17 < columns.min() < 100 - 181 * (0.3 - 0.2) / 3.17 + 2

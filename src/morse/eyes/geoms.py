@@ -164,6 +164,11 @@ class Instances(NamedTuple):
         endless, free, lines: the instances that are infinite planes, skins and flexes, and lines.
         ids: (I, 2) int32, id and type of the object of each instance; -1 for no object.
         opacity: (N,) of the geoms.
+        planes: (N,) which of them are planes.
+        casting: (N,) which of them may cast shadows: not lines, which would be as wide as texels.
+        scaled: (N,) which of them have no texture, and shapes that are the same for all sizes.
+        sizes: (N, 3) of the geoms, m.
+        looks: (N, B) all else that the instances depend on.
     """
 
     prepared: Prepared
@@ -181,6 +186,22 @@ class Instances(NamedTuple):
     lines: NDArray[np.intp]
     ids: NDArray[np.int32]
     opacity: NDArray[np.float32]
+    planes: NDArray[np.bool_]
+    casting: NDArray[np.bool_]
+    scaled: NDArray[np.bool_]
+    sizes: NDArray[np.float32]
+    looks: NDArray[np.uint8]
+
+    def resize(self, g: NDArray[np.void]) -> bool:
+        """Take over the sizes of geoms, such as the lengths of tendons; False if other instances are needed."""
+        if len(g) != len(self.scaled) or not np.array_equal(_without_sizes(g, self.scaled), self.looks):
+            return False
+        for number in np.flatnonzero((g["size"] != self.sizes).any(axis=1)):
+            parts = _parts_of(g[number], int(number), None, ())
+            for row, part in zip(np.flatnonzero(self.geoms == number), parts, strict=True):
+                self.scales[row], self.offsets[row] = part.scale, part.offset
+        self.sizes[:] = g["size"]
+        return True
 
     def poses(
         self,
@@ -254,7 +275,19 @@ def _textures(g: NDArray[np.void], count: int, of_materials: NDArray[np.int32]) 
 
 def looks_of(g: NDArray[np.void]) -> bytes:
     """All that the instances of geoms depend on."""
-    return g.view(np.uint8).reshape(len(g), g.itemsize).take(_bytes_of_looks(g.dtype), axis=1).tobytes()
+    return _looks(g).tobytes()
+
+
+def _looks(g: NDArray[np.void]) -> NDArray[np.uint8]:
+    return g.view(np.uint8).reshape(len(g), g.itemsize).take(_bytes_of_looks(g.dtype), axis=1)
+
+
+def _without_sizes(g: NDArray[np.void], scaled: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """The same without the sizes of some geoms."""
+    looks, first = _looks(g), g.dtype.fields["size"][1]  # type: ignore[index]
+    sizes = (_bytes_of_looks(g.dtype) >= first) & (_bytes_of_looks(g.dtype) < first + g.dtype["size"].itemsize)
+    looks[np.ix_(scaled, sizes)] = 0
+    return looks
 
 
 @lru_cache(maxsize=1)
@@ -445,6 +478,11 @@ def instances_of(
         np.flatnonzero(np.isin(g["type"][geoms], LINES)),
         ids.reshape(-1, 2),
         g["rgba"][:, 3].copy(),
+        g["type"] == PLANE,
+        (g["castshadow"] != 0 if "castshadow" in (g.dtype.names or ()) else True) & ~np.isin(g["type"], LINES),
+        scaled := np.isin(g["type"], list(_PARTS)) & (texids < 0),
+        g["size"].copy(),
+        _without_sizes(g, scaled),
     )
 
 

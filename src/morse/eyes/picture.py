@@ -280,7 +280,7 @@ class Artist:
         """What is kept of the last picture of a purpose; nothing if it may differ in more than poses and lights."""
         if instances.prepared.moving:
             return ()
-        key = self._of, instances.maps.tobytes(), parts.tobytes()
+        key = instances.maps.tobytes(), parts.tobytes()
         kept = self._kept.get(name)
         if kept is None or kept[0] != key:
             kept = self._kept[name] = key, Kept()
@@ -305,6 +305,8 @@ class Artist:
     def _arranged(self, g: NDArray[np.void], scene: Any) -> tuple[Instances, NativeDrawer]:
         """The instances of the geoms of a scene, which change seldom, and what draws them."""
         looks = looks_of(g)
+        if self._instances is not None and looks != self._of and self._instances.resize(g):
+            self._of = looks
         if self._instances is None or looks != self._of:
             faces = scene.flexfacenum if len(self._kinds_of_flexes) else ()
             instances = instances_of(g, self._store, self._kinds, self._look, faces)
@@ -313,6 +315,7 @@ class Artist:
             slots = np.arange(len(instances.materials), dtype=np.int32)
             self._drawer.arrange(instances.parts, slots, instances.materials, instances.maps)
             self._of, self._instances = looks, instances
+            self._kept.clear()
         assert self._drawer is not None
         if self._instances.prepared.moving:
             self._move(scene)
@@ -349,14 +352,11 @@ class Artist:
     ) -> list[ShadowMap | None]:
         """The shadow maps of lights."""
         maps: list[ShadowMap | None] = [None] * len(lights)
-        casting = g["castshadow"] != 0 if "castshadow" in (g.dtype.names or ()) else np.ones(len(g), bool)
-        # lines are as wide as texels there
-        casting &= ~np.isin(g["type"], LINES)
-        if not scene.flags[_SHADOW] or not casting.any():
+        casting, planes = instances.casting, instances.planes
+        if not scene.flags[_SHADOW] or not casting.any() or not any(light.casts for light in lights):
             return maps
         model = self._model
         parts, owner = instances.parts, instances.geoms[instances.owner]
-        planes = g["type"] == PLANE
         seen = _seen(g[~planes], view)
         finite = np.isfinite(g["pos"]).all(axis=1)
         # the vertices of skins and flexes are elsewhere
@@ -368,7 +368,7 @@ class Artist:
                 cast[plane] = not _is_below(_plane_of(g[plane]), g["pos"][~planes & finite], light, view)
             cast &= finite
             casters = None
-            if bounded and not np.isin(instances.infinite, np.flatnonzero(cast)).any():
+            if bounded and not cast[instances.infinite].any():
                 reach = _reach(g[cast]) * np.where(np.isin(g["type"][cast], (MESH, HFIELD)), 2.0, 1.0)
                 casters = np.column_stack([g["pos"][cast].astype(np.float64), reach])
             scale = float(model.vis.map.shadowscale)
