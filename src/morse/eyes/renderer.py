@@ -316,7 +316,8 @@ class BatchRenderer:
         def draw(number: int) -> None:
             renderer, own = self._renderers[number], self._states[number]
             renderer.show(kind)
-            for row in range(number, self._count, share):
+            # successive states often are those of one run: what stands is drawn once
+            for row in range(self._count * number // share, self._count * (number + 1) // share):
                 data = states[row]
                 if isinstance(states, np.ndarray):
                     own.qpos[:] = states[row]
