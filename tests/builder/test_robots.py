@@ -6,10 +6,12 @@ from typing import Any
 
 import pytest
 
+import morse
 from morse.assets import AssetNotFoundError, search
 from morse.builder import (
     ATRV,
     BasePR2,
+    Environment,
     FakeRobot,
     GroundRobot,
     MorseBuilderError,
@@ -223,6 +225,34 @@ def test_painted_wheels_do_not_turn() -> None:
     cart = Cart()
     cart.unparent_wheels()
     assert declaration(cart).options == {"wheels": []}
+
+
+def test_a_script_may_prepare_the_wheels_itself() -> None:
+    """MORSE 1.4: the origin of a Pioneer at rest is 0.15 m above the floor (0.04), called by the script or not."""
+
+    class Prepared(Pioneer3DX):
+        def __init__(self, name: str | None = None) -> None:
+            super().__init__(name)
+            self.unparent_wheels()
+
+    def scene() -> None:
+        plain, prepared = Pioneer3DX("plain"), Prepared("prepared")
+        plain.translate(z=0.1)
+        prepared.translate(y=2.0, z=0.1)
+        for robot in (plain, prepared):
+            robot.append(Pose("pose"))
+        Environment("empty")
+
+    def late() -> Prepared:
+        robot = Prepared()
+        robot.append(Pose("pose"))
+        return robot
+
+    with morse.load(scene) as sim:
+        sim.spawn("late", late, (0.0, -2.0, 0.1))
+        sim.step(90)
+        heights = [robot.pose.data["z"] for robot in (sim.plain, sim.prepared, sim.late)]
+    assert heights == pytest.approx([0.15] * 3, abs=0.04)
 
 
 def test_unknown_models_and_parts() -> None:

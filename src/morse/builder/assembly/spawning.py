@@ -103,6 +103,8 @@ def describe_newcomer(
         newcomer.rotation_euler = list(rotation)
         if isinstance(newcomer, WheeledRobot):
             newcomer.unparent_wheels()
+            # its class may have called this before the location was set
+            newcomer.location = [position[0], position[1], position[2] + newcomer.ride_height()]
         naming.rename_all()
         for root in described.roots:
             _name_parts(described, root, name)

@@ -265,16 +265,25 @@ class WheeledRobot(Robot):
         self._has_free_wheels = False
 
     def unparent_wheels(self) -> None:
-        """Prepare the wheels, and raise the body by its ``RideHeight``; called by the environment."""
+        """Prepare the wheels, and raise the body by its ``RideHeight``; called by the environment.
+
+        A script may call it, too; further calls have no effect.
+        """
+        if self._has_free_wheels:
+            return
         self._has_free_wheels = True
+        height = self.ride_height()
+        self.scene_node.location[2] += height
+        # of the model: wheel encoders, for example, stay where the script has put them
+        own = {*self.own_nodes()}
+        for node in self.scene_node.children:
+            if node in own and any(word in node.plain_name.lower() for word in _BELOW_THE_BODY):
+                node.location[2] -= height
+
+    def ride_height(self) -> float:
+        """Height of the body above its wheels, relative to the model: the property ``RideHeight``, m."""
         height = self.property_value("RideHeight") or 0.0
-        if isinstance(height, (int, float)) and math.isfinite(height):
-            self.scene_node.location[2] += height
-            # of the model: wheel encoders, for example, stay where the script has put them
-            own = {*self.own_nodes()}
-            for node in self.scene_node.children:
-                if node in own and any(word in node.plain_name.lower() for word in _BELOW_THE_BODY):
-                    node.location[2] -= height
+        return float(height) if isinstance(height, (int, float)) and math.isfinite(height) else 0.0
 
     def wheels(self) -> list[Node]:
         """The wheels."""
