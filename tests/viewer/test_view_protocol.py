@@ -6,6 +6,9 @@ import json
 import math
 import re
 import struct
+import subprocess
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -132,6 +135,15 @@ def test_typescript_of_optional_and_nested_types() -> None:
     assert "  components: ComponentDescription[];" in text
     assert "  payload: ArrayBuffer;" in text
     assert "  count?: number;" in text  # a page may omit fields with a default
+
+
+@pytest.mark.parametrize("arguments", [[], ["--help"], ["-h"], ["one.ts", "two.ts"]])
+def test_options_name_no_file_for_the_types(arguments: list[str], tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "morse.viewer.typescript", *arguments]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert run.returncode == 1
+    assert "usage" in run.stderr
+    assert not list(tmp_path.iterdir())
 
 
 # -- the title of a page is the name of the project ------------------------------------------------

@@ -73,4 +73,6 @@ def _type(hint: Any) -> str:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        sys.exit("usage: python -m morse.viewer.typescript FILE")
     Path(sys.argv[1]).write_text(typescript(), encoding="utf-8")
