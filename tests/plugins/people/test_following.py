@@ -73,6 +73,27 @@ def test_people_follow_the_human_around_a_wall_and_stop_behind_it(sim):
     assert sim.people.ask(0).result()["state"] == "walks"
 
 
+def test_leaders_whom_nobody_follows_any_more_are_forgotten(tmp_path):
+    """People may follow more robots one after the other than at once."""
+    path = tmp_path / "scene.py"
+    robots = "".join(f"r{k} = FakeRobot()\nr{k}.translate({k % 6}, {k // 6 + 3})\n" for k in range(20))
+    path.write_text(SCENE.replace('Environment("empty")', f'{robots}Environment("empty")'), "utf-8")
+    with morse.load(path) as sim:
+        crowd, followed = sim.people.component, {}
+        for k in range(20):
+            (person,) = sim.people.follow(f"r{k}", 1).result()
+            followed[person] = f"r{k}"
+        sim.people.send(person, 0.0, 0.0).result()
+        del followed[person]
+        (person,) = sim.people.follow("human", 1).result()
+        followed[person] = "human"
+        names = list(crowd._trails)
+        assert {person: names[crowd.leader[person]] for person in followed} == followed
+        assert len(names) <= 4
+        sim.restore(sim.save())
+        assert sim.people.ask(person).result()["state"] == "follows"
+
+
 def test_what_is_no_leader_is_refused(sim):
     for name in ("nobody", "people", "x" * 5000, ""):
         with pytest.raises(Exception, match="there is no robot"):

@@ -140,7 +140,7 @@ class Gait:
         self.heading = turned / np.sqrt((turned * turned).sum(axis=1))[:, None]
 
     def poses(
-        self, position: Floats, velocity: Floats, present: NDArray[np.bool_], floor: Floats, sits: NDArray[np.bool_]
+        self, position: Floats, velocity: Floats, present: NDArray[np.bool_], offset: Floats, sits: NDArray[np.bool_]
     ) -> tuple[Floats, Floats]:
         """Return positions (N + 2 L, 3) and quaternions (N + 2 L, 4) of trunks, left legs and right legs.
 
@@ -150,7 +150,7 @@ class Gait:
             position: (N, 2) m.
             velocity: (N, 2) m/s.
             present: (N,) who is in the world.
-            floor: (N, 3) m, from the plane on which people walk to the world.
+            offset: (N, 3) m, from the plane on which people walk to the world.
             sits: (N,) who sits.
         """
         yaw = _turned(self.heading[:, 0], self.heading[:, 1])
@@ -192,7 +192,7 @@ class Gait:
         trunk = np.stack([position[:, 0], position[:, 1], hip], axis=1)
         places, turns = np.concatenate([trunk, *parts_p]), np.concatenate([yaw, *parts_q])
         hidden = np.concatenate([~present, ~present[walkers], ~present[walkers]])
-        places += np.concatenate([floor, floor[walkers], floor[walkers]])
+        places += np.concatenate([offset, offset[walkers], offset[walkers]])
         places[:, 2] -= np.where(hidden, _BELOW, 0.0)
         return places, turns
 

@@ -51,7 +51,6 @@ class Lift(Robot, Facility):
     add_property("_speed", 1.0, "Speed", "float", "Speed", unit="m/s", low=0.05, high=20.0)
     add_property("_acceleration", 0.8, "Acceleration", "float", "Acceleration", unit="m/s^2", low=0.05, high=10.0)
     add_property("_hold", 5.0, "Hold", "float", "Time for which its doors stay open", unit="s", low=0.0, high=1e6)
-
     add_property("_capacity", 0, "Capacity", "int", "People who ride at once; 0 for as many as have room", low=0)
 
     add_state("_calls", list, "Floors that have called it")

@@ -164,7 +164,6 @@ class Crowd(Robot):
                  written_by="Crowd.start(...) and Crowd.goals(...)")  # fmt: skip
     add_property("_attention", "{}", "Attention", "string", "Share of the people who see a robot, by its name, as JSON",
                  written_by="Crowd.avoids(robot, attention)")  # fmt: skip
-
     add_property("_levels", "[0.0]", "Floors", "string", "Heights of the floors above the crowd, m, as JSON",
                  written_by="Crowd(floors=...)")  # fmt: skip
 
@@ -668,6 +667,13 @@ class Crowd(Robot):
         shift = self.floors.shift[self.floors.floor_of(z)]
         return (float(x + shift[0]), float(y + shift[1]))
 
+    def _forget_leaders(self) -> None:
+        """Drop the trails that nobody follows any more; leaders are numbered in the order of the others."""
+        names, self.leader[self.mode != FOLLOWS] = list(self._trails), -1
+        numbers = np.unique(self.leader[self.leader >= 0])
+        self.leader[self.leader >= 0] = np.searchsorted(numbers, self.leader[self.leader >= 0])
+        self._trails = {names[number]: self._trails[names[number]] for number in numbers.tolist()}
+
     def _follow_leaders(self) -> None:
         """Let people follow who are led."""
         position, wanted = self.walkers.position, self.walkers.wanted
@@ -710,8 +716,9 @@ class Crowd(Robot):
         here = length(walkers.position - self.target) < HERE
         sits = (self.mode == SITS) & here & ~self._leaves(np.arange(self._count))
         area = self.riding.area
-        lift = np.column_stack([-self.floors.shift[area], self.floors.heights[area]])
-        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, lift, sits))
+        # from the plane to the world
+        offset = np.column_stack([-self.floors.shift[area], self.floors.heights[area]])
+        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, offset, sits))
         changed = np.flatnonzero(self._shown != walkers.present)
         if len(changed):
             legged = np.cumsum(~self.gait.rides) - 1
@@ -724,7 +731,7 @@ class Crowd(Robot):
                 for part in own:
                     self._bodies[part].setVisible(is_here)
             self._shown = walkers.present.copy()
-        data["positions"] = np.column_stack([walkers.position + lift[:, :2], lift[:, 2]])
+        data["positions"] = np.column_stack([walkers.position + offset[:, :2], offset[:, 2]])
         data["velocities"] = np.column_stack([walkers.velocity, self.riding.speeds()])
         data["present"] = walkers.present.copy()
         data["groups"] = walkers.group.astype(np.int32)
@@ -844,6 +851,7 @@ class Crowd(Robot):
         if place is None or robot == self.name():
             hint = nearest_name(robot, sorted(self.context.robots))
             raise MorseRPCInvokationError(f"there is no robot '{robot:.80}' to follow{hint}")
+        self._forget_leaders()
         if robot not in self._trails and len(self._trails) >= MOST_LEADERS:
             raise MorseRPCInvokationError(f"{self.name()} follows {MOST_LEADERS} robots at most")
         way = self._way_to(list(place))
