@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, field
@@ -19,8 +18,10 @@ from morse.simulation.states.saving import InputsState
 from morse.simulation.states.state import State
 from morse.system.packed_keys import check_keys
 from morse.system.regular_files import read_regular
+from morse.system.whole_files import write_whole
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable
     from types import TracebackType
 
@@ -118,13 +119,7 @@ class InputRecording:
         start = None if self.start is None else self.start.to_bytes()
         head = [self.seed, start, self.last, Writer(NoReferences()).value(self.waiting), self.life]
         content = _HEAD + _encoder.encode([head, [_packed(entry) for entry in self.entries]])
-        target = Path(path)
-        temporary = target.with_name(f".{target.name}.{os.getpid()}")
-        try:
-            temporary.write_bytes(content)
-            temporary.replace(target)
-        finally:
-            temporary.unlink(missing_ok=True)
+        write_whole(path, content)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> InputRecording:
