@@ -82,6 +82,22 @@ def test_point_clouds_are_read_by_laspy(recording, tmp_path):
     assert cloud.xyz == pytest.approx(finite, abs=0.6e-3)
 
 
+def test_point_clouds_are_read_by_pypcd4(recording, tmp_path):
+    pypcd4 = pytest.importorskip("pypcd4")
+    path, _ = recording
+    files, _ = exported(path, tmp_path / "pcd", "pcd")
+    clouds = sorted(files[0].path.iterdir())
+    assert len(clouds) == files[0].rows > 1
+    read = [pypcd4.PointCloud.from_path(one) for one in clouds]
+    assert all(cloud.fields[:3] == ("x", "y", "z") for cloud in read)
+    for cloud, file in zip(read, clouds, strict=True):
+        assert np.array_equal(cloud.numpy(("x", "y", "z")), pcd_points(file), equal_nan=True)
+    # after a tick at 1 m/s, the near face of the wall, which is 2 x 0.2 m thick, is 3.8 m - 1/60 m away
+    points = read[0].numpy(("x", "y", "z"))
+    depths = points[np.isfinite(points).all(axis=1)][:, 2]
+    assert np.sum(np.abs(depths - (3.8 - 1 / 60)) < 0.04) > 20
+
+
 def pcd_points(path):
     """The points of a PCD file by its header (pointclouds.org, version 0.7)."""
     head, _, data = path.read_bytes().partition(b"DATA binary\n")

@@ -205,6 +205,8 @@ def _of_scene(file: str) -> tuple[dict[str, str], dict[str, str]]:
         return offered, {name: heard.type for name, heard in topics.heard.items()}
 
 
+#: what the files of some forms have, instead of rows
+_COUNTED = {"coco": "pictures", "lerobot": "frames"}
 #: headings of the options in the help
 _FILM = "Options of --film"
 _AGAIN = "Options of --film and --html"
@@ -222,7 +224,8 @@ def command(
         typer.Option(
             "--as",
             metavar="FORM",
-            help="For other tools: tum, kitti, euroc (poses), pcd, las (point clouds), coco (labels), numpy.",
+            help="For other tools: tum, kitti, euroc (poses), pcd, las (point clouds), coco (labels), "
+            "lerobot (data sets for learning), numpy.",
         ),
     ] = None,
     to: Annotated[
@@ -383,7 +386,7 @@ def command(
         say(remark)
     for one in paths:
         without = f", without {', '.join(one.left_out)} (--parquet exports them)" if one.left_out else ""
-        say(f"{one.path}: {one.rows} {'pictures' if form == 'coco' else 'rows'} of {one.topic}{without}")
+        say(f"{one.path}: {one.rows} {_COUNTED.get(form or '', 'rows')} of {one.topic}{without}")
     return 0
 
 

@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 
 #: name of the file with the labels, and of the folder with the pictures
 LABELS, PICTURES = "annotations.json", "images"
-_IMAGE, _INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
+IMAGE, _INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
 _IDS = "16UC1"
 #: the encodings of pictures: number of bytes of a pixel, and the places of red, green and blue in it
-_COLORS = {"rgb8": (3, [0, 1, 2]), "rgba8": (4, [0, 1, 2]), "bgr8": (3, [2, 1, 0]), "bgra8": (4, [2, 1, 0])}
+COLORS = {"rgb8": (3, [0, 1, 2]), "rgba8": (4, [0, 1, 2]), "bgr8": (3, [2, 1, 0]), "bgra8": (4, [2, 1, 0])}
 #: largest number of annotations of a camera
 _MOST = 1_000_000
 #: differences of places (m) and of focal lengths (px) that are none
 _SAME = 1e-6
 
 
-class _Camera(NamedTuple):
+class Camera(NamedTuple):
     """A camera of a recording.
 
     Attributes:
@@ -62,7 +62,7 @@ def cameras_with_labels(file: McapFile) -> dict[str, Channel]:
     return {
         channel.topic: fields[name]
         for channel in file.channels.values()
-        if channel.type == _IMAGE and channel.encoding == "cdr"
+        if channel.type == IMAGE and channel.encoding == "cdr"
         for name in [channel.topic.strip("/").rpartition("/")[0]]
         if name in fields
     }
@@ -87,7 +87,7 @@ def write_labels(file: McapFile, topic: str, folder: Path) -> int:
     ids = next((one for one in cameras if one.channel.topic == topic), None)
     if ids is None or ids.kind != _IDS:
         raise RecordingError(f"it has no images of ids ({_IDS})")
-    color = next((one for one in cameras if one.kind in _COLORS and _is_same(one, ids)), None)
+    color = next((one for one in cameras if one.kind in COLORS and _is_same(one, ids)), None)
     if color is None:
         raise RecordingError(
             "no color camera sees the same: add a VideoCamera to the robot with the same place, cam_width, cam_height, "
@@ -95,14 +95,14 @@ def write_labels(file: McapFile, topic: str, folder: Path) -> int:
         )
     data = _Annotations(_classes(file, cameras_with_labels(file)[topic]))
     for one in file.messages([ids.channel.number]):
-        data.add(one.log_time, _pixels(one, ids))
+        data.add(one.log_time, pixels_of(one, ids))
     (folder / PICTURES).mkdir(parents=True)
     pictures: dict[int, str] = {}
     for one in file.messages([color.channel.number]):
         number = data.numbers.get(one.log_time)
         if number is not None and number not in pictures:
             pictures[number] = f"{number:06d}.png"
-            _write(folder / PICTURES / pictures[number], _pixels(one, color))
+            _write(folder / PICTURES / pictures[number], pixels_of(one, color))
     if not pictures:
         raise RecordingError(f"{color.channel.topic} has no picture of the same time: give both the same frequency")
     with (folder / LABELS).open("x", encoding="utf-8") as target:
@@ -110,7 +110,7 @@ def write_labels(file: McapFile, topic: str, folder: Path) -> int:
     return len(pictures)
 
 
-def _is_same(one: _Camera, other: _Camera) -> bool:
+def _is_same(one: Camera, other: Camera) -> bool:
     return (
         one.parent == other.parent
         and len(one.view) == len(other.view)
@@ -118,7 +118,12 @@ def _is_same(one: _Camera, other: _Camera) -> bool:
     )
 
 
-def _decoded(kind: str, one: Message) -> dict[str, Any]:
+def decoded(kind: str, one: Message) -> dict[str, Any]:
+    """The fields of a message of a type of ROS 2.
+
+    Raises:
+        RecordingError: it is damaged.
+    """
     try:
         return decode(kind, one.data)
     except (CdrError, ValueError) as error:
@@ -127,24 +132,24 @@ def _decoded(kind: str, one: Message) -> dict[str, Any]:
 
 def _first(file: McapFile, channel: Channel) -> dict[str, Any] | None:
     for one in file.messages([channel.number]):
-        return _decoded(channel.type, one)
+        return decoded(channel.type, one)
     return None
 
 
-def _cameras(file: McapFile) -> list[_Camera]:
+def _cameras(file: McapFile) -> list[Camera]:
     places = _places(file)
     topics = {channel.topic: channel for channel in file.channels.values() if channel.encoding == "cdr"}
     found = []
     for topic, channel in topics.items():
         info = topics.get(f"{topic.rpartition('/')[0]}/camera_info")
-        if channel.type != _IMAGE or info is None or info.type != _INFO:
+        if channel.type != IMAGE or info is None or info.type != _INFO:
             continue
         image, facts = _first(file, channel), _first(file, info)
         if image is None or facts is None:
             continue
         parent, place = _mounted(str(image["header"]["frame_id"]), places)
         view = (float(image["width"]), float(image["height"]), *map(float, facts["k"]), *place)
-        found.append(_Camera(channel, str(image["encoding"]), view, parent))
+        found.append(Camera(channel, str(image["encoding"]), view, parent))
     return found
 
 
@@ -153,7 +158,7 @@ def _places(file: McapFile) -> dict[str, tuple[str, NDArray[np.float64], NDArray
     numbers = [channel.number for channel in file.channels.values() if channel.topic == "/tf_static"]
     found = {}
     for one in file.messages(numbers):
-        for entry in _decoded("tf2_msgs/msg/TFMessage", one)["transforms"]:
+        for entry in decoded("tf2_msgs/msg/TFMessage", one)["transforms"]:
             move = entry["transform"]
             x, y, z, w = (float(move["rotation"][axis]) for axis in "xyzw")
             rotation = np.array(
@@ -181,11 +186,15 @@ def _mounted(
     return frame, [*position.tolist(), *rotation.ravel().tolist()]
 
 
-def _pixels(one: Message, camera: _Camera) -> NDArray[Any]:
-    """(H, W) ids, or (H, W, 3) colors, the top row first."""
-    image = _decoded(_IMAGE, one)
+def pixels_of(one: Message, camera: Camera) -> NDArray[Any]:
+    """(H, W) ids, or (H, W, 3) colors, the top row first.
+
+    Raises:
+        RecordingError: the image is damaged, or has another size than the first one.
+    """
+    image = decoded(IMAGE, one)
     height, width, step = int(image["height"]), int(image["width"]), int(image["step"])
-    size, order = _COLORS.get(camera.kind, (2, []))
+    size, order = COLORS.get(camera.kind, (2, []))
     data = np.asarray(image["data"], np.uint8)
     if (
         not width
@@ -272,7 +281,7 @@ class _Annotations:
                 }
             )
 
-    def content(self, pictures: dict[int, str], camera: _Camera) -> dict[str, Any]:
+    def content(self, pictures: dict[int, str], camera: Camera) -> dict[str, Any]:
         """The content of the file; images without a picture are left out."""
         width, height = (int(size) for size in camera.view[:2])
         return {

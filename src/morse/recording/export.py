@@ -1,4 +1,4 @@
-"""Exports the topics of a recording: tables, trajectories, point clouds, pictures with labels."""
+"""Exports the topics of a recording: tables, trajectories, point clouds, pictures with labels, data sets of robots."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from morse.recording.errors import RecordingError
 from morse.recording.fields import DECLARED, FIELDS
 from morse.recording.fields.blocks import block_of
 from morse.recording.formats import Clouds, Csv, Numpy, Parquet, Sink, Trajectory
+from morse.recording.lerobot import robots_of, write_robot
 from morse.recording.mcap.writer import McapWriter
 from morse.rosmsgs.cdr import CdrError, decode
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
@@ -201,7 +202,7 @@ class Written(NamedTuple):
 
     Attributes:
         path: of the file.
-        topic: the topic of its messages.
+        topic: the topic of its messages; the name of the robot for a data set.
         rows: number of rows.
         left_out: fields of bytes, which CSV does not contain.
     """
@@ -223,6 +224,7 @@ _SUFFIXES = {
     "pcd": ".pcd",
     "las": ".las",
     "coco": ".coco",
+    "lerobot": ".lerobot",
 }
 #: the forms of an export, and those for any topic
 FORMS = tuple(_SUFFIXES)
@@ -310,7 +312,7 @@ def export(
         OSError: a file cannot be written.
     """
     topics_to_write = selected(file, topics)
-    if form == "parquet":
+    if form in ("parquet", "lerobot"):
         try:
             import pyarrow.parquet  # noqa: F401
         except ImportError:
@@ -324,6 +326,8 @@ def export(
     names: dict[str, int] = {}
     if form == "coco":
         return _data_sets(file, topics_to_write, target, names)
+    if form == "lerobot":
+        return _robots(file, topics_to_write, target, names)
     for begin in range(0, len(topics_to_write), _FILES):
         tables += _some(file, topics_to_write[begin : begin + _FILES], target, form, names, remarks)
     if form in _TABLES or topics:
@@ -354,6 +358,27 @@ def _data_sets(
     if not written:
         why = "; ".join(remarks) or "it has no images of a SegmentationCamera"
         raise RecordingError(f"{file.path} has no pictures with labels: {why}")
+    return written, remarks
+
+
+def _robots(
+    file: McapFile, channels: list[Channel], target: Path, names: dict[str, int]
+) -> tuple[list[Written], list[str]]:
+    """A folder for each robot."""
+    robots, begins = robots_of(file, channels)
+    written: list[Written] = []
+    remarks: list[str] = []
+    for name, robot in robots.items():
+        folder = target / f"{_file_name(name, names)}{_SUFFIXES['lerobot']}"
+        try:
+            frames, left_out = write_robot(file, robot, begins, folder, remarks)
+        except RecordingError as error:
+            remarks.append(f"{name} is left out: {error}")
+        else:
+            written.append(Written(folder, name, frames, left_out))
+    if not written:
+        why = "; ".join(remarks) or "it has no data fields of sensors"
+        raise RecordingError(f"{file.path} has no robot with data: {why}")
     return written, remarks
 
 

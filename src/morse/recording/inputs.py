@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import base64
 import json
 from typing import TYPE_CHECKING, Any
@@ -86,6 +87,23 @@ class LostInput(RecordingError):
     def __init__(self, tick: int, kind: str, name: str, life: int, order: int) -> None:
         super().__init__(f"the recording cannot be simulated again: '{name[:80]}' was made by a function of a program")
         self.tick, self.kind, self.name, self.life, self.order = tick, kind, name, life, order
+
+
+def readable_entry(data: bytes) -> dict[str, Any]:
+    """The readable part of a message of the topic; empty if it is damaged.
+
+    Returns:
+        Its ``tick``, ``kind``, ``name`` and others; ``content`` is a mapping, empty for all but commands.
+    """
+    try:
+        line = json.loads(decode(TYPE, data)["data"])
+        text = line["content"] if line.get("kind") == "command" else "{}"
+        content = ast.literal_eval(text) if len(text) <= _LENGTH else {}
+        if not isinstance(content, dict):
+            return {}
+    except (CdrError, ValueError, LookupError, TypeError, AttributeError, RecursionError, SyntaxError, MemoryError):
+        return {}
+    return {**line, "content": content}
 
 
 def exact_entry(data: bytes) -> bytes:

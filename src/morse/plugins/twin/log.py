@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import ast
 import csv
 import io
-import json
 import math
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
@@ -18,6 +16,7 @@ from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import escaped, nearest, quoted, short
 from morse.recording.fields import COMPONENT, FIELDS
 from morse.recording.fields.blocks import block_of
+from morse.recording.inputs import readable_entry
 from morse.recording.mcap.reader import McapFile
 from morse.rosmsgs.cdr import CdrError, decode
 from morse.system.extras import install
@@ -260,7 +259,7 @@ def _read_own(file: McapFile, budget: list[int], remarks: list[str]) -> list[_Ro
     restarts = 0
     for one in file.messages({*topics, *inputs}):
         if one.channel in inputs:
-            entry = _entry(one.data)
+            entry = readable_entry(one.data)
             if entry.get("kind") in ("reset", "restore"):
                 restarts += 1
             if entry.get("kind") == _COMMAND:
@@ -268,7 +267,7 @@ def _read_own(file: McapFile, budget: list[int], remarks: list[str]) -> list[_Ro
                 rows = commands.setdefault(name, _Rows(f"{COMMANDS}{name}", "command", budget))
                 rows.is_exact = True
                 # the tick tells when it took effect: the message was written in that tick
-                rows.add(_number(entry.get("tick"), math.nan) / rate, entry["values"])
+                rows.add(_number(entry.get("tick"), math.nan) / rate, _flat(entry["content"]))
             continue
         block = block_of(one, file.path)
         rows = topics[one.channel]
@@ -287,18 +286,6 @@ def _number(value: Any, default: float) -> float:
     except (TypeError, ValueError, OverflowError):
         return default
     return number if math.isfinite(number) and number >= 0.0 else default
-
-
-def _entry(data: bytes) -> dict[str, Any]:
-    """An entry of the journal of a recording; its content is a literal of Python."""
-    try:
-        line = json.loads(decode("std_msgs/msg/String", data)["data"])
-        content = ast.literal_eval(line["content"]) if line.get("kind") == _COMMAND else {}
-        if not isinstance(line, dict) or not isinstance(content, dict):
-            return {}
-    except (CdrError, ValueError, LookupError, TypeError, RecursionError, SyntaxError, MemoryError):
-        return {}
-    return {**line, "values": _flat(content)}
 
 
 def _read_ros(file: McapFile, budget: list[int], remarks: list[str]) -> list[_Rows]:
