@@ -104,3 +104,13 @@ def test_what_is_no_leader_is_refused(sim):
     for one in broken:
         with pytest.raises(Exception, match="nobody can be"):
             sim.people.component.set_state(own | one)
+
+
+def test_people_see_a_robot_that_replaces_another_one_within_a_tick(sim):
+    """The world has as many objects as before, but not the same ones."""
+    sim.spawn("first", "ATRV", (5.0, 1.8, 0.1))
+    sim.step(2)
+    sim.delete("first")
+    sim.spawn("second", "ATRV", (5.0, 1.8, 0.1))
+    sim.step(2)
+    assert not sim.failures

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import morse
-from morse.plugins.people.riding import ABOARD, BOARDS, LEAVES, WAITS
+from morse.core.state import StateError
+from morse.plugins.people.riding import ABOARD, BOARDS, LEAVES, ON_FOOT, WAITS
 
 SCENE = """
 from morse.builder import *
@@ -89,6 +90,28 @@ def test_states_restore_people_in_a_lift_and_refuse_impossible_ones(load):
                 broken["people"]["lift"] = np.full(3, -1)
             with pytest.raises(Exception, match="nobody can be"):
                 sim.people.component.set_state(broken)
+
+
+def test_states_with_places_of_another_lift_are_refused(load):
+    """A place of the large cabin is none in the small one, and only those who ride are in a cabin."""
+    small = 'small = Lift("small", levels=(0.0, 3.5), size=(1.0, 0.9))\nsmall.translate(-8.0)\nsmall.rotate(z=3.1)'
+    with load(small) as sim:
+        crowd = sim.people.component
+        own, places = crowd.get_state(), [len(one.slots) for one in crowd.floors.shafts]
+        assert places[0] > places[1]
+        for ride, lift, slot, area in (
+            (BOARDS, 1, places[1], 0),
+            (BOARDS, 0, places[0], 0),
+            (ON_FOOT, -1, 0, 0),
+            (WAITS, 0, -1, 2),
+            (LEAVES, 1, -1, 3),
+        ):
+            values = {"ride": ride, "lift": lift, "slot": slot, "area": area}
+            broken = {name: np.full_like(own["people"][name], value) for name, value in values.items()}
+            with pytest.raises(StateError, match="nobody can be"):
+                crowd.set_state(own | {"people": own["people"] | broken})
+        sim.step(3)
+        assert not sim.failures
 
 
 def test_people_of_one_floor_do_not_see_those_of_another(load):

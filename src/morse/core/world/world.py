@@ -49,12 +49,14 @@ class WorldPoses(Protocol):
 
     Attributes:
         stamp: a value that changes whenever an object has moved.
+        arrangement: a number that changes whenever objects are added, removed or replaced.
         displacements: number of changes of poses within a rigid group.
         relocated: the static groups that were moved by explicit calls.
         repaint_sinks: callbacks for objects whose appearance has changed.
     """
 
     stamp: int
+    arrangement: int
     displacements: int
     relocated: set[int]
     repaint_sinks: list[Callable[[Body], object]]

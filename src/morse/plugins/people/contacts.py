@@ -290,9 +290,9 @@ class Surroundings:
     def movers(self) -> list[Mover]:
         """Return the robots and the moving objects, which people may see and touch."""
         world = self.context.world
-        if self._movers is not None and self._arrangement == len(world.objects_by_name):
+        if self._movers is not None and self._arrangement == world.arrangement:
             return self._movers
-        self._arrangement, self._movers = len(world.objects_by_name), []
+        self._arrangement, self._movers = world.arrangement, []
         for name in self.shares:
             if name not in self.context.robots:
                 hint = nearest_name(name, sorted(self.context.robots))

@@ -83,7 +83,7 @@ class Riding:
         self.opened = np.zeros(len(floors.shafts))
         self._spots = [[spots(one, ground, shift) for shift in floors.shift[: floors.count]] for one in floors.shafts]
 
-    def bounds(self) -> dict[str, tuple[int, int]]:
+    def _bounds(self) -> dict[str, tuple[int, int]]:
         """Return the least and the largest values of the arrays."""
         shafts = self._floors.shafts
         most = max((len(one.slots) for one in shafts), default=0)
@@ -94,6 +94,21 @@ class Riding:
             "slot": (-1, most - 1),
             "turn": (0, 1 << 40),
         }
+
+    def can_be(self, people: dict[str, Any]) -> bool:
+        """Whether the arrays of a state are possible: a place in a cabin is one of that cabin."""
+        lift, slot, area, count = people["lift"], people["slot"], people["area"], self._floors.count
+        if not all(
+            ((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in self._bounds().items()
+        ):
+            return False
+        # the last one is of those without a lift, who have none
+        places = np.array([*(len(one.slots) for one in self._floors.shafts), 0])
+        return bool(
+            ((people["ride"] == ON_FOOT) == (lift < 0)).all()
+            and ((area < count) | ((area == count + lift) & (people["ride"] == ABOARD))).all()
+            and (slot < places[lift]).all()
+        )
 
     def cabin_of(self, shaft: Shaft) -> Cabin | None:
         """Return the component of a lift; None if it is no lift that people know how to use."""

@@ -974,7 +974,7 @@ class Crowd(Robot):
         """Whether the values of a state are possible."""
         flow, stage, group, lag = people["flow"], people["stage"], people["group"], people["lag"]
         stages = np.array([max(len(one["ways"]), 1) for one in self._flows] + [1])
-        heading, rides = people["heading"], self.riding.bounds()
+        heading = people["heading"]
         near = all(
             np.abs(people[name]).max(initial=0.0) < 1e6 for name in ("position", "feet", "target", "came", "planned")
         )
@@ -987,9 +987,7 @@ class Crowd(Robot):
             and ((stage >= 0) & (stage < stages[flow])).all()
             and ((group >= -1) & (group < self._count)).all()
             and (np.abs(people["rank"]) < 1e9).all()
-            and all(((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in rides.items())
-            and ((people["ride"] == ON_FOOT) == (people["lift"] < 0)).all()
-            and ((people["area"] < self.floors.count) | (people["area"] == self.floors.count + people["lift"])).all()
+            and self.riding.can_be(people)
             and (np.abs((heading * heading).sum(axis=1) - 1.0) < 1e-6).all()
             and (np.abs(people["velocity"]) < 1e3).all()
             and ((people["phase"] >= 0.0) & (people["phase"] < 1e9)).all()

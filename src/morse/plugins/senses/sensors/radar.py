@@ -191,7 +191,7 @@ class Radar(ScanningSensor):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        self._targets: tuple[object, list[Body]] = (None, [])
+        self._targets: tuple[int, list[Body]] = (-1, [])
         self._sight: RayBundle | None = None
         self._below: RayBundle | None = None
         self._bounced: RayBundle | None = None
@@ -365,11 +365,10 @@ class Radar(ScanningSensor):
 
     def _point_targets(self) -> list[Body]:
         world = self.context.world
-        key = (world.layout, len(world.objects_by_name))
-        if self._targets[0] != key:
+        if self._targets[0] != world.arrangement:
             own = self.robot_parent.bge_object if self.robot_parent is not None else None
             found = [body for body in world.objects() if body is not own and _is_point(body)]
-            self._targets = (key, found[:_MOST_TARGETS])
+            self._targets = (world.arrangement, found[:_MOST_TARGETS])
         return [body for body in self._targets[1] if _is_point(body)]
 
     def _map(self, echoes: Floats, rain: Floats | None) -> NDArray[np.float32]:
