@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import morse
+from morse.core.state import StateError
 from tests.kit.scenes import Load, script
 
 _G = 9.81
@@ -305,6 +306,17 @@ def test_states_and_rows_of_a_plant_agree(load: Load, tmp_path):
             row.context.robots["table"].turn(0.4)
         rows.step(300)
         assert see(rows[1].context) == after
+
+
+@pytest.mark.parametrize("numbers", [[-1], [99], ["a"], [True], [0.5], [0, 0], [math.nan], [[1]]])
+def test_states_with_floors_and_boxes_that_are_not_there_are_refused(load: Load, numbers: list[object]):
+    simulation = load('lift = Lift(levels=(0.0, 3.5))\ncabinet = Dispenser(stock=2)\nenv = Environment("empty")\n')
+    for name, attribute in (("lift", "_calls"), ("cabinet", "_out")):
+        component = simulation.context.robots[name]
+        with pytest.raises(StateError, match="numbers from 0 to 1"):
+            component.set_state(component.get_state() | {attribute: numbers})
+    simulation.step(3)
+    assert not simulation.failures
 
 
 @pytest.mark.parametrize(

@@ -173,6 +173,16 @@ def test_a_button_tells_what_was_refused(load: Load):
     assert not simulation.failures
 
 
+def test_a_button_whose_door_was_deleted_tells_so_and_calls_the_others(load: Load):
+    simulation = load(ROBOT + BUTTON + EMPTY)
+    simulation.delete("door")
+    simulation.button.press()
+    simulation.step(2)
+    assert "'door', which does not exist" in simulation.button.data["refused"]
+    assert simulation.lift.data["destination"] == 1
+    assert not simulation.failures
+
+
 @pytest.mark.parametrize(
     ("link", "words"),
     [

@@ -15,6 +15,7 @@ from morse.assets.solids import cube, cylinder, polyhedron
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import short
 from morse.core.services import service
+from morse.core.state import StateError
 from morse.core.validation.arguments import Range
 from morse.core.values import Fields
 from morse.mathutils.portable import matmul
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.interfaces import Carrier
+    from morse.core.values import StateData
     from morse.core.world import Body
 
     Floats = NDArray[np.float64]
@@ -284,6 +286,18 @@ def stored(owner: object, name: str, text: object, fits: Callable[[Any], object]
         pass
     kind = type(owner).__name__
     raise MorseError(f"the property '{name}' is {short(text)}: leave it as {kind}() writes it, and use its arguments")
+
+
+def check_numbers(owner: Facility, state: StateData, name: str, count: int) -> None:
+    """Refuse a state with a list of other numbers than 0 to ``count - 1``, each of them once.
+
+    Raises:
+        StateError: it has such a list.
+    """
+    values: Any = state.get(name, [])
+    is_list = isinstance(values, list) and all(type(one) is int and 0 <= one < count for one in values)
+    if not is_list or len({*values}) < len(values):
+        raise StateError(f"'{name}' of the {type(owner).__name__} are not different numbers from 0 to {count - 1}")
 
 
 def are_lengths(values: Any) -> bool:

@@ -72,8 +72,13 @@ class Button(Robot, Facility):
         self._told = False
 
     def check_scene(self) -> None:
-        """Check that all services exist and take their arguments."""
-        self._functions()
+        """Check that all services exist and take their arguments.
+
+        Raises:
+            MorseError: there is no such component, or no such service, or the arguments are wrong.
+        """
+        for link in self._links:
+            self._function(*link)
 
     @service
     def press(self) -> None:
@@ -87,20 +92,17 @@ class Button(Robot, Facility):
         if self._told or (is_pressed and not data["pressed"]):
             data["count"] += 1
             data["refused"] = ""
-            for call in self._functions():
+            for link in self._links:
                 try:
-                    call()
+                    function = self._function(*link)
+                except MorseError as error:  # it was deleted since the start
+                    data["refused"] = str(error)
+                    continue
+                try:
+                    function()
                 except MorseRPCInvokationError as error:
                     data["refused"] = str(error)
         data["pressed"], self._told = is_pressed or self._told, False
-
-    def _functions(self) -> list[Callable[[], object]]:
-        """Return what the button calls.
-
-        Raises:
-            MorseError: there is no such component, or no such service, or the arguments are wrong.
-        """
-        return [self._function(*link) for link in self._links]
 
     def _function(self, target: str, name: str, arguments: list[object]) -> Callable[[], object]:
         names = [*self.context.robots, *self.context.components]

@@ -15,11 +15,12 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import Facility, Panels, are_lengths, stored
+from morse.plugins.facilities.panels import Facility, Panels, are_lengths, check_numbers, stored
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.values import StateData
     from morse.core.world import Body
 
 
@@ -132,3 +133,12 @@ class Dispenser(Robot, Facility):
         half = 0.5 * np.array(self._sides)
         low, high = np.array(self._outlet) - half, np.array(self._outlet) + half
         return not self._panels.is_in_way(np.zeros((0, 2)), low.tolist(), high.tolist())
+
+    def set_state(self, state: StateData) -> None:
+        """See `Object.set_state`.
+
+        Raises:
+            StateError: boxes are out that it does not have.
+        """
+        check_numbers(self, state, "_out", len(self._boxes))
+        super().set_state(state)

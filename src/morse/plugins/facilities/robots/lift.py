@@ -13,7 +13,7 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import Facility, Panels, are_lengths, lift_places, stored
+from morse.plugins.facilities.panels import Facility, Panels, are_lengths, check_numbers, lift_places, stored
 
 if TYPE_CHECKING:
     from morse.core.values import StateData
@@ -162,6 +162,11 @@ class Lift(Robot, Facility):
         self._panels.place(places, np.zeros(len(places)))
 
     def set_state(self, state: StateData) -> None:
-        """Restore a state, and the panels with it."""
+        """Restore a state, and the panels with it.
+
+        Raises:
+            StateError: the lift was called to floors that it does not have.
+        """
+        check_numbers(self, state, "_calls", len(self.levels))
         super().set_state(state)
         self._show()
