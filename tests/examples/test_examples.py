@@ -227,6 +227,17 @@ def test_hospital(run):
     assert z == pytest.approx(3.5, abs=0.02)
 
 
+@example_test("warehouse")
+def test_warehouse(run):
+    load, (x, y, z) = run("warehouse")
+    # a pallet of 25 kg with three boxes of 80 kg
+    assert load == pytest.approx(265.0, rel=0.02)
+    # the belt is 0.5 m high, and has carried the pallet from y = -3.1 at 0.4 m/s for six seconds
+    assert z == pytest.approx(0.5, abs=0.01)
+    assert x == pytest.approx(0.5, abs=0.1)
+    assert y == pytest.approx(-3.1 - 0.4 * 6.0, abs=0.4)
+
+
 @example_test("depot")
 def test_depot(run):
     places = run("depot")

@@ -61,6 +61,7 @@ MOMENTS = {
     "legs": 5.0,
     "human": 3.1,
     "depot": 19.0,
+    "warehouse": 20.5,
     "hospital": 27.0,
 }
 

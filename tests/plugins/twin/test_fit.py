@@ -148,3 +148,20 @@ def test_what_grows_evenly_is_the_drift_of_a_clock():
         align(comparison, traces)
         (clock,) = comparison.clocks.values()
         assert clock.drift == 0.0
+
+
+@pytest.mark.parametrize("frequencies", [(0.1, 1.0), (1.0, 0.1)])
+@pytest.mark.parametrize("lag", [0.1, 0.3])
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+def test_a_lag_in_a_motion_that_changes_its_speed_is_no_drift(frequencies, lag, offset):
+    """The phase of a first-order lag is late by atan(w lag) / w, which falls with the frequency."""
+    made, times = np.arange(3600) / 60.0, np.arange(1200) / 20.0
+    low, high = frequencies
+    angular = 2.0 * np.pi * (low + (high - low) * made / 60.0)
+    phase = 2.0 * np.pi * (low * made + (high - low) * made**2 / 120.0)
+    true = np.sin(phase - np.arctan(angular * lag)) / np.hypot(1.0, angular * lag)
+    seen = np.interp(times - offset, made, true) + np.random.default_rng(4).normal(0.0, 0.02, len(times))
+    channel = Channel("robot.pose", "x", -1, False, "m")
+    comparison = Comparison({"robot.pose": Samples(times, {"x": seen})}, [channel], {"robot.pose": Clock()})
+    align(comparison, {"robot.pose": Samples(made, {"x": np.sin(phase)})})
+    assert comparison.clocks["robot.pose"].drift == 0.0

@@ -276,6 +276,30 @@ def test_a_clock_that_is_off_is_found(tmp_path, scene):
     assert any("the clock of robot.imu is +2.0" in line for line in fitted.lines())
 
 
+@pytest.mark.parametrize(
+    ("late", "is_told"), [({"imu": 0.4}, True), ({"imu": 0.4, "pose": 0.4}, True), ({"imu": 0.4, "pose": 0.0}, False)]
+)
+def test_an_offset_of_all_clocks_is_told_to_look_like_a_delay_of_commands(tmp_path, scene, late, is_told):
+    """A system that does not change with time has the same output, whether its input or its output is late."""
+    rates = np.random.default_rng(5).uniform(-1.0, 1.0, 30)
+    lines = ["time,motion.v,motion.w,imu.angular_velocity.z,pose.yaw"]
+    lines += [f"{k * 0.5},0.2,{rate},," for k, rate in enumerate(rates)]
+    with morse.load(scene) as sim:
+        for rate in rates:
+            sim.robot.motion.publish({"v": 0.2, "w": float(rate)})
+            for _ in range(5):
+                sim.step(6)
+                turning, yaw = sim.robot.imu.data["angular_velocity"][2], sim.robot.pose.data["yaw"]
+                lines.append(f"{sim.time() + late['imu']},,,{turning},")
+                if "pose" in late:
+                    lines.append(f"{sim.time() + late['pose']},,,,{yaw}")
+    (tmp_path / "late.csv").write_text("\n".join(lines))
+    fitted = Twin(tmp_path / "late.csv", scene).fit(workers=0)
+    assert fitted.comparison.clocks["robot.imu"].delay == pytest.approx(0.4, abs=0.03)
+    told = [line for line in fitted.lines() if "cannot tell an offset of the clock of robot.imu from a delay" in line]
+    assert bool(told) == is_told
+
+
 # -- bad input -------------------------------------------------------------------------------
 
 

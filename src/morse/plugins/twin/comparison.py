@@ -27,7 +27,7 @@ _LEAST = 1e-4
 #: rate at which clocks are compared, Hz, and largest offset that is searched, s
 _RATE, _FARTHEST = 50.0, 5.0
 #: longest delay of a sensor or a command that is no offset of a clock if it is fitted, s
-_LONGEST = 1.0
+LONGEST_DELAY = 1.0
 #: coefficient of correlation, and its gain, from which an offset is believed
 _SURE, _BETTER = 0.5, 0.02
 
@@ -204,7 +204,7 @@ def align(
 
     Args:
         least: delays from which times are corrected, s; less may be the dynamics of the robot, which a fit finds.
-        fitted: sensors whose delay a fit finds, up to `_LONGEST`.
+        fitted: sensors whose delay a fit finds, up to `LONGEST_DELAY`.
     """
     for sensor, clock in comparison.clocks.items():
         whole = _best_shift(comparison, traces, sensor, 0.0, 1.0)
@@ -221,7 +221,7 @@ def align(
             # less than a sample is not seen; what does not grow evenly is no drift but the motion
             is_even = abs(known[1] - 0.5 * (known[0] + known[2])) < 0.25 * abs(change)
             clock.drift = change / span if abs(change) > 2.0 * sample and is_even else 0.0
-        is_fitted = sensor in fitted and 0.0 <= clock.delay < _LONGEST
+        is_fitted = sensor in fitted and 0.0 <= clock.delay < LONGEST_DELAY
         if clock.drift or (abs(clock.delay) >= least and not is_fitted):
             middle = 0.5 * float(times[-1] + times[0])
             # a fitted delay is not that of the clock

@@ -13,7 +13,7 @@ import numpy as np
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import nearest, quoted
 from morse.launch.load import described
-from morse.plugins.twin.comparison import Comparison, align
+from morse.plugins.twin.comparison import LONGEST_DELAY, Comparison, align
 from morse.plugins.twin.fit import Fit
 from morse.plugins.twin.log import Log, read_log, summary
 from morse.plugins.twin.manoeuvres import Manoeuvre, propose
@@ -217,12 +217,26 @@ class Twin:
             return sensors
         return sensors & {one.component for one in late}
 
+    def _is_as_late_as_all(self, sensor: str) -> bool:
+        """Whether commands that take effect later would explain the times of a sensor: all others are as late."""
+        clocks = self._comparison.clocks
+        late = clocks[sensor].delay
+        # measurements are not before their commands, and no command takes longer
+        return 0.0 < late < LONGEST_DELAY and all(
+            abs(one.delay - late) < 0.05 for one in clocks.values() if one.correlation > 0.5
+        )
+
     def _remarks(self) -> list[str]:
         remarks = [*self.log.remarks]
         for sensor, clock in self._comparison.clocks.items():
             if clock.is_applied:
                 drift = f", and drifts by {1e6 * clock.drift:.0f} µs/s" if clock.drift else ""
                 remarks.append(f"the clock of {sensor} is {clock.delay:+.3f} s off{drift}: its times were corrected")
+                if not clock.drift and self._is_as_late_as_all(sensor):
+                    remarks.append(
+                        f"this log cannot tell an offset of the clock of {sensor} from a delay of the commands: no "
+                        "sensor is less late. If it is a delay, fit that of the actuator"
+                    )
             elif abs(clock.delay) > 0.05 and sensor not in self._delayed():
                 remarks.append(
                     f"{sensor} is {clock.delay:+.3f} s later than in the simulation: fit its delay, or a lag"
