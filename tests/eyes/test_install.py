@@ -65,11 +65,38 @@ def test_functions_of_mujoco_draw_the_pictures_of_the_renderer(state: tuple[Any,
         mujoco.mjr_readPixels(rgb, None, viewport, context)
         assert rgb[20, 30].tolist() == [2, 0, 0]
         assert rgb[0, 0].tolist() == [1, 0, 0]
-    with pytest.raises(ValueError, match="not \\(20, 20\\)"):
-        mujoco.mjr_readPixels(rgb, None, mujoco.MjrRect(0, 0, 20, 20), context)
+    with pytest.raises(ValueError, match="20 x 20 pixels from \\(60, 0\\) on, where mjr_render has drawn nothing"):
+        mujoco.mjr_readPixels(rgb, None, mujoco.MjrRect(60, 0, 20, 20), context)
     context.free()
     with pytest.raises(RuntimeError, match="freed"):
         mujoco.mjr_render(viewport, renderer.scene, context)
+
+
+@pytest.mark.usefixtures("installed")
+def test_viewports_beside_each_other_are_read_together(state: tuple[Any, Any]) -> None:
+    model, data = state
+    context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+
+    def read(*rect: int) -> tuple[Any, Any]:
+        rgb, depth = np.zeros((rect[3], rect[2], 3), np.uint8), np.zeros((rect[3], rect[2]), np.float32)
+        mujoco.mjr_readPixels(rgb, depth, mujoco.MjrRect(*rect), context)
+        return rgb, depth
+
+    def draw(*rect: int) -> tuple[Any, Any]:
+        mujoco.mjr_render(mujoco.MjrRect(*rect), renderer.scene, context)
+        return read(*rect)
+
+    with mujoco.Renderer(model, 40, 60) as renderer:
+        renderer.update_scene(data, "c")
+        left = draw(0, 0, 30, 40)
+        renderer.update_scene(data)
+        right = draw(30, 10, 20, 20)
+    for all_of, one, other in zip(read(0, 0, 60, 40), left, right, strict=True):
+        assert np.array_equal(all_of[:, :30], one)
+        assert np.array_equal(all_of[10:30, 30:50], other)
+        # nothing was drawn there: black, and at the far plane
+        assert np.all(all_of[:10, 30:] == (0 if all_of.ndim == 3 else 1))
+    assert np.array_equal(read(5, 15, 10, 20)[0], left[0][15:35, 5:15])
 
 
 def test_uninstall_gives_everything_back() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import sys
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: rendering flags and maps of depths (`mujoco.mjtRndFlag`, `mujoco.mjtDepthMap`)
 _ZERO_NEAR, _ZERO_FAR = 0, 1
+#: viewports whose pictures a context keeps
+_MOST_VIEWPORTS = 64
 
 
 class GLContext:
@@ -45,8 +47,43 @@ class _Snapshot:
         return self._geoms
 
 
+class _Box(NamedTuple):
+    """A viewport: columns and rows of the buffer, whose lowest row is 0."""
+
+    left: int
+    bottom: int
+    right: int
+    top: int
+
+    def common(self, other: _Box) -> _Box | None:
+        """The part that is in both; nothing if there is none."""
+        low, high = map(max, self[:2], other[:2]), map(min, self[2:], other[2:])
+        box = _Box(*low, *high)
+        return box if box.left < box.right and box.bottom < box.top else None
+
+    def within(self, other: _Box) -> tuple[slice, slice]:
+        """The rows and columns of this box in a picture of another one, whose first row is the lowest."""
+        rows = slice(self.bottom - other.bottom, self.top - other.bottom)
+        return rows, slice(self.left - other.left, self.right - other.left)
+
+
+class _Picture(NamedTuple):
+    """What has been drawn in a viewport; the first row of colours is the highest."""
+
+    box: _Box
+    scene: Any
+    geoms: _Snapshot
+    view: View
+    colors: NDArray[np.uint8]
+
+
+def _box_of(viewport: Any) -> _Box:
+    left, bottom, width, height = (int(getattr(viewport, name)) for name in ("left", "bottom", "width", "height"))
+    return _Box(left, bottom, left + width, bottom + height)
+
+
 class MjrContext:
-    """Replaces `mujoco.MjrContext`: what draws a model, and the last picture.
+    """Replaces `mujoco.MjrContext`: what draws a model, and the last picture of each viewport.
 
     Attributes:
         offWidth, offHeight: largest size, pixels.
@@ -68,12 +105,12 @@ class MjrContext:
         self._artist = None if model is None else Artist(model, self.look, self.size)
         self._scene: Any = None
         self._geoms: GeomArray | None = None
-        self._shown: tuple[Any, _Snapshot, View] | None = None
-        self._colors = np.zeros((0, 0, 3), np.uint8)
+        self._pictures: list[_Picture] = []
 
     def free(self) -> None:
         """Release the memory."""
-        self._artist = self._shown = self._scene = self._geoms = None
+        self._artist = self._scene = self._geoms = None
+        self._pictures = []
 
     def render(self, viewport: Any, scene: Any) -> None:
         """See `mjr_render`."""
@@ -83,28 +120,43 @@ class MjrContext:
             self._scene, self._geoms = scene, GeomArray(scene, three_geoms, self._model)
         view = view_of(scene, int(viewport.width), int(viewport.height))
         geoms = _Snapshot(self._geoms.now().copy())
-        self._shown = scene, geoms, view
-        self._colors = shown(self._artist, scene, geoms, view)
+        box = _box_of(viewport)
+        picture = _Picture(box, scene, geoms, view, shown(self._artist, scene, geoms, view))
+        others = [one for one in self._pictures if one.box.common(box) != one.box]
+        self._pictures = [*others[1 - _MOST_VIEWPORTS :], picture]
 
     def read(self, rgb: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None, viewport: Any) -> None:
-        """See `mjr_readPixels`."""
-        if self._artist is None or self._shown is None:
+        """See `mjr_readPixels`; what has not been drawn is black and at the far plane."""
+        if self._artist is None or not self._pictures:
             raise RuntimeError("mjr_readPixels cannot be called before mjr_render, or after the context was freed.")
-        scene, geoms, view = self._shown
-        shape = int(viewport.height), int(viewport.width)
-        if shape != (view.height, view.width):
+        read = _box_of(viewport)
+        parts = [(one, common) for one in self._pictures if (common := one.box.common(read)) is not None]
+        if not parts:
             raise ValueError(
-                f"mjr_readPixels reads what mjr_render has drawn, {view.height} x {view.width}, not {shape}."
+                f"mjr_readPixels reads {viewport.width} x {viewport.height} pixels from ({read.left}, {read.bottom}) "
+                f"on, where mjr_render has drawn nothing; the last viewport is {tuple(self._pictures[-1].box)} "
+                "(left, bottom, right, top)."
             )
+        shape = read.top - read.bottom, read.right - read.left
         if rgb is not None:
-            rgb.reshape(*shape, 3)[:] = self._colors[::-1]
+            pixels = np.zeros((*shape, 3), np.uint8)
+            for one, common in parts:
+                pixels[common.within(read)] = one.colors[::-1][common.within(one.box)]
+            rgb.reshape(pixels.shape)[:] = pixels
         if depth is not None:
-            near, far = view.near - view.shift, view.far - view.shift
-            metres = self._artist.depths(scene, geoms, view).astype(np.float64)
-            share = (far - metres) / (far - near)
-            if not view.shift:
-                share *= near / metres
-            depth.reshape(shape)[:] = (share if self.readDepthMap == _ZERO_FAR else 1 - share)[::-1]
+            shares = np.zeros(shape)
+            for one, common in parts:
+                shares[common.within(read)] = self._shares(one)[::-1][common.within(one.box)]
+            depth.reshape(shape)[:] = shares if self.readDepthMap == _ZERO_FAR else 1 - shares
+
+    def _shares(self, one: _Picture) -> NDArray[np.float64]:
+        """The depths (H, W) of a picture as OpenGL keeps them: 1 at the near plane and 0 at the far plane."""
+        assert self._artist is not None
+        view = one.view
+        near, far = view.near - view.shift, view.far - view.shift
+        metres = self._artist.depths(one.scene, one.geoms, view).astype(np.float64)
+        share = (far - metres) / (far - near)
+        return np.asarray(share if view.shift else share * near / metres, np.float64)
 
 
 def _render(viewport: Any, scn: Any, con: MjrContext) -> None:
