@@ -13,6 +13,7 @@ import morse
 from morse.assets import load
 from morse.launch import model_pictures
 from morse.launch.model_pictures import Model, models
+from morse.scene import PhysicsType
 from morse.viewer.catalog import Catalog
 
 if TYPE_CHECKING:
@@ -250,3 +251,22 @@ def test_the_list_reads_files_of_models_only_once_whatever_is_in_its_cache(monke
         kept.entries = dict.fromkeys(kept.entries, damaged)
         assert model_pictures._objects("crates", "props") == crates
     assert len(read) == 5
+
+
+def test_people_and_doors_tell_who_puts_them_in_their_places(tmp_path: Path) -> None:
+    """Nothing carries kinematic bodies: the page says that they follow a move of their component at the next start."""
+    script = tmp_path / "scene.py"
+    script.write_text(
+        "from morse.builder import *\n\nrobot = ATRV()\npeople = Crowd(count=2)\npeople.translate(5, 0)\n"
+        'door = Door()\ndoor.translate(-5, 0)\nenv = Environment("empty")\n'
+    )
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        world = client.expect("world")
+        nodes = json.loads(fetch(simulation.view.url + world["url"].lstrip("/"))[2])["nodes"]
+        for owner in ("people", "door"):
+            root = simulation.scene.find(owner)
+            assert root is not None
+            below = {node.name for node in root.walk() if node.body.type is PhysicsType.KINEMATIC}
+            assert below
+            assert {node["name"] for node in nodes if node["placed_by"] == owner} == below
+        assert not [node["name"] for node in nodes if node["placed_by"] == "robot"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, cast
 
 import numpy as np
 
-from morse.scene import is_shown, slot_materials
+from morse.scene import PhysicsType, is_shown, slot_materials
 from morse.scene.extent import shown_mesh, water_level
 from morse.viewer import description as d
 from morse.viewer.site import pack_mesh
@@ -177,7 +177,7 @@ def describe(
     frames = rigid_frames(nodes)
     is_stretched = (frames.stretches != np.eye(3)).any(axis=(1, 2))
     kinds = {id(component.node): component.kind for component in scene.components}
-    placed = {id(node): component.name for component in scene.components for node in component.placed}
+    placed = _placed(scene)
     movers = {id(mover.node): mover.frame for mover in moving}
     visible_meshes = [shown_mesh(node) for node in nodes]
     asset_store.add_meshes(mesh for mesh in visible_meshes if mesh is not None)
@@ -217,6 +217,24 @@ def describe(
         moving=[index[id(mover.node)] for mover in moving],
         view=_view(scene),
     )
+
+
+def _placed(scene: Scene) -> dict[int, str]:
+    """The names of the components that place nodes, by the identities of the nodes.
+
+    Nothing carries kinematic bodies: people, doors and cars get their places from their component, which reads its
+    own place at the start.
+    """
+    placed = {id(node): component.name for component in scene.components for node in component.placed}
+    owners = {id(component.node): component.name for component in scene.components}
+    for node in scene.nodes():
+        if node.body.type is PhysicsType.KINEMATIC:
+            owner = node.parent
+            while owner is not None and id(owner) not in owners:
+                owner = owner.parent
+            if owner is not None:
+                placed[id(node)] = owners[id(owner)]
+    return placed
 
 
 def _follows(node: Node, mesh: Mesh | None, index: Mapping[int, int]) -> list[int] | None:

@@ -165,7 +165,7 @@ class NodeDescription(Struct, frozen=True):
         materials: indices, by slot.
         follows: of a deformable body, the node that each vertex of its mesh follows; else None.
         kind: kind of the component that the node belongs to: ``robot``, ``sensor``, ...; empty if none.
-        placed_by: name of the component that places it when the simulation starts; empty if none.
+        placed_by: name of the component that places it when the simulation starts, or in each tick; empty if none.
     """
 
     name: str

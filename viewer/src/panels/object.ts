@@ -88,7 +88,7 @@ export class ObjectPanel {
     const places = this.stage.world?.nodes.some(({ description }) => description.placed_by === node.name) ?? false;
     if (!owner && !places) return null;
     const text = owner
-      ? `${owner} puts it in its place at each start: a move lasts until then, and is not saved.`
+      ? `${owner} puts it in its place, at the latest at each start: a move lasts until then, and is not saved.`
       : "What it puts in place follows a move at the next start (F11).";
     return h("p", { class: "quiet" }, text);
   }
