@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from editor_desk import MODELS, SCENE, Desk
-from view_pages import Client, fetch
+from view_pages import Client, fetch, toasts
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import morse
@@ -720,6 +720,29 @@ def test_a_model_is_dragged_into_the_world_and_saved(
     shown("document.querySelector('dialog.save .added')?.checkVisibility()")
     page.locator("dialog.save").get_by_role("button", name="save", exact=True).click()
     wait_until(lambda: (simulation.step(1), "morsy = Morsy()" in (tmp_path / "scene.py").read_text())[1], "the script")
+
+
+def test_on_a_telephone_one_model_is_added_after_the_other(desk: Desk, open_page: Callable[..., Page]) -> None:
+    desk._client.socket.close()  # the browser drives
+    simulation = desk.simulation
+    page = open_page(simulation.view.url, width=390, height=780, has_touch=True, is_mobile=True)
+
+    def shown(condition: str) -> None:
+        wait_until(lambda: (simulation.step(1), page.evaluate(f"Boolean({condition})"))[1], condition)
+
+    shown("morse.stage.world && morse.seat.drives.value && !morse.panels.editor.element.hidden")
+    page.evaluate("morse.shell.show('left')")
+    page.get_by_role("button", name="add", exact=True).click()
+    for kind, name in (("Morsy", "morsy"), ("IMU", "morsy.imu")):
+        shown(f"document.querySelector('[data-kind={kind}]')")
+        page.locator(f"[data-kind={kind}]").click()
+        shown(f"morse.components.selected.value === '{name}'")
+        assert page.locator(".add-panel").is_visible()
+    assert toasts(page) == ["morsy is in the world.", "morsy.imu is on morsy."]
+    # above the list, which covers the world
+    layers = "['.toasts', '.left'].map((name) => Number(getComputedStyle(document.querySelector(name)).zIndex))"
+    above, below = page.evaluate(layers)
+    assert above > below
 
 
 PARTS = [

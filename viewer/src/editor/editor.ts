@@ -148,8 +148,10 @@ export class Editor {
       const name = String(answer.value);
       this.select([name]);
       if (robot) this.toasts.show(`${name} is on ${name.slice(0, name.lastIndexOf("."))}.`);
+      else if (this.shell.narrow) this.toasts.show(`${name} is in the world.`); // the list covers it
     }
-    if (this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
+    // the list stays open for the next model, unless one looks at where this one was dropped
+    if (place && this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
     return answer.ok;
   }
 
