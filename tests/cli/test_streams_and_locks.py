@@ -96,21 +96,21 @@ def test_a_profile_that_cannot_be_written_is_a_message_after_a_good_run(shell, t
     assert sorted(path.name for path in tmp_path.iterdir() if "profile" in path.name) == ["morse-profile.json"]
 
 
-def test_a_profile_is_whole_or_not_there(tmp_path, monkeypatch):
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no limit of the size of files")
+def test_a_profile_is_whole_or_not_there(tmp_path):
+    import resource
+
     path = tmp_path / "trace.json"
     path.write_text("before")
     profile = Profile(trace=True)
     profile.begin()
-
-    def fails(self, text, *arguments, **keywords):
-        with self.open("w") as file:
-            file.write(text[:10])
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_text", fails)
-    with pytest.raises(OSError, match="No space"):
-        profile.write_trace(path)
-    monkeypatch.undo()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10, limits[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            profile.write_trace(path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert [(found.name, found.read_text()) for found in tmp_path.iterdir()] == [("trace.json", "before")]
     profile.write_trace(path)
     assert json.loads(path.read_text())["traceEvents"]
