@@ -71,6 +71,20 @@ def test_every_error_is_listed_with_its_line(check) -> None:
     assert answer.out.splitlines()[-1] == "* old.py does not run."
 
 
+def test_consequences_on_lines_of_several_statements_are_not_listed(check) -> None:
+    answer = check(
+        f"{HEAD}bad = Robot('no_such_robot'); bad.translate(1)\n"
+        + "cube = Cube(); bad.append(cube); cube.translate(z=1)\n"
+        + "robot = ATRV(); bad.append(robot); robot.trnslate(z=0.1)\n"
+        + END
+    )
+    found = lines_of(answer.out)
+    assert set(found) == {2, 4}
+    assert "no model 'no_such_robot'" in found[2]
+    assert "'translate'" in found[4]
+    assert "'bad'" not in answer.out
+
+
 def test_old_forms_are_listed_and_the_script_runs(check) -> None:
     answer = check(
         HEAD

@@ -78,21 +78,24 @@ class Silence:
         self._missing: set[str] = set()
 
     def leave_out(self, line: int) -> bool | None:
-        """Replace the innermost statement at a line by ``pass``.
+        """Replace the innermost statement at a line by ``pass``; of several, one that fails because of an earlier one.
 
         Returns:
             Whether it fails by itself, not because of an earlier one; None if there is no statement.
         """
-        place = next(iter(sorted(self._at(line), key=lambda entry: _length(entry[1][entry[2]]))), None)
+        place = min(self._at(line), key=lambda entry: self._rank(entry[1][entry[2]]), default=None)
         if place is None:
             return None
         owner, body, index = place
         statement = body[index]
-        by_itself = not self._missing & set(_read(statement))
+        _, by_itself = self._rank(statement)
         self._missing.update(_written(statement))
         body[index] = ast.copy_location(ast.Pass(), statement)
         ast.fix_missing_locations(owner)
         return by_itself
+
+    def _rank(self, statement: ast.stmt) -> tuple[int, bool]:
+        return _length(statement), not self._missing & set(_read(statement))
 
     def _at(self, line: int) -> Iterator[tuple[ast.AST, list[ast.stmt], int]]:
         for node in ast.walk(self._tree):
