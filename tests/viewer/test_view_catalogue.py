@@ -49,6 +49,7 @@ FACILITIES = {
     "Crowd",
     "Dispenser",
     "Door",
+    "Forklift",
     "Gate",
     "Lift",
     "Traffic",

@@ -23,9 +23,10 @@ class MotionVWAckermann(SpeedCommand):
     """Steers and turns the wheels of a car so that it drives and turns at the commanded speeds.
 
     The wheels are joints of the robot. The middle of the axle that does not steer follows a circle of the radius
-    R = v / w. The front wheels point along their own circles about the same centre: tan(angle) = L / (R -+ s / 2), with
-    the wheel base L and the distance s between the steering joints (Ackermann steering). Each driven wheel turns at the
-    speed of its place on the circle. A car that stands cannot turn.
+    R = v / w. The steered wheels point along their own circles about the same centre: tan(angle) = L / (R -+ s / 2),
+    with the wheel base L and the distance s between the steering joints (Ackermann steering). L is negative if the
+    steered wheels are behind the other axle, as those of forklifts: to turn to the left, they point to the right. Each
+    driven wheel turns at the speed of its place on the circle. A car that stands cannot turn.
     """
 
     _name = "Ackermann steering"
@@ -82,7 +83,8 @@ class MotionVWAckermann(SpeedCommand):
         joints = {wheel.joint: wheel for wheel in joint_wheels(body.node)}
         angles, steering_angles = [joints[name] for name in wheels], [joints[name] for name in steering]
         self._radius = self._radius or fmean(wheel.radius for wheel in angles)
-        self._base = self._base or abs(fmean(one.x for one in steering_angles) - fmean(one.x for one in angles))
+        ahead = fmean(one.x for one in steering_angles) - fmean(one.x for one in angles)
+        self._base = math.copysign(self._base, ahead) if self._base else ahead
         self._separation = self._separation or abs(steering_angles[0].y - steering_angles[1].y)
         if not (self._radius and self._base and self._separation):
             raise ValueError(
@@ -95,14 +97,14 @@ class MotionVWAckermann(SpeedCommand):
 
         Args:
             speed: of the middle of the axle that does not steer, m/s.
-            angle: of a wheel in the middle between those that steer, rad, positive to the left.
+            angle: of a wheel in the middle between those that steer, rad, positive for turns to the left.
         """
-        return speed * math.tan(min(max(angle, -self._limit), self._limit)) / self._base
+        return speed * math.tan(min(max(angle, -self._limit), self._limit)) / abs(self._base)
 
     @property
     def turning_radius(self) -> float:
         """Radius of the smallest circle of the middle of the axle that does not steer, m."""
-        return self._base / math.tan(self._limit)
+        return abs(self._base) / math.tan(self._limit)
 
     def default_action(self) -> None:
         """Steer and turn the wheels."""
@@ -111,7 +113,7 @@ class MotionVWAckermann(SpeedCommand):
             return
         half = 0.5 * self._separation
         # curvature, 1/m, up to that of the largest angle
-        most = math.tan(self._limit) / self._base
+        most = math.tan(self._limit) / abs(self._base)
         curvature = min(max(w / v, -most), most) if abs(v) > 1e-6 else 0.0
         angles = [math.atan(self._base * curvature / (1.0 + side * half * curvature)) for side in (-1.0, 1.0)]
         self._steering.tell([min(max(angle, -self._limit), self._limit) for angle in angles])

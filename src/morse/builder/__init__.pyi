@@ -163,6 +163,7 @@ from morse.plugins.facilities.builder import TrafficLight as TrafficLight
 from morse.plugins.facilities.handling import Charger as Charger
 from morse.plugins.facilities.handling import Conveyor as Conveyor
 from morse.plugins.facilities.handling import Dispenser as Dispenser
+from morse.plugins.facilities.handling import Forklift as Forklift
 from morse.plugins.facilities.handling import Turntable as Turntable
 from morse.plugins.people.builder import Crowd as Crowd
 from morse.plugins.sun.builder import StreetLamp as StreetLamp
@@ -236,6 +237,7 @@ __all__ = [
     "FakeRobot",
     "ForceTorque",
     "ForceTorqueSensor",
+    "Forklift",
     "GNSSReceiver",
     "GPS",
     "GasSensor",

@@ -74,11 +74,11 @@ class JointMotors:
         return cls(robot, names, Control.VELOCITY)
 
     def tell(self, values: Sequence[float]) -> None:
-        """Set the commands, rad or rad/s."""
+        """Set the commands, rad, m, rad/s or m/s."""
         self._joints.tell(self.names, values)
 
     def positions(self) -> list[float]:
-        """The measured positions, rad."""
+        """The measured positions, rad or m."""
         return self._joints.positions(self.names)
 
 

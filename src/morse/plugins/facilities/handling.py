@@ -1,4 +1,4 @@
-"""The classes of what handles goods in scene scripts: conveyors, turntables, dispensers, chargers."""
+"""The classes of what handles goods in scene scripts: conveyors, turntables, dispensers, chargers, forklifts."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from morse.builder import workspace
 from morse.builder.components.robot import Robot
+from morse.builder.creator import ActuatorCreator, SensorCreator
 from morse.builder.errors import checks
 from morse.plugins.facilities.builder import PAINT, attach, several
 
@@ -247,3 +248,45 @@ class Charger(Robot):
         column.location = [-wide - 0.45, 0.0, 0.45]
         for one in (pad, column):
             attach(self.scene_node, one)
+
+
+class Forklift(Robot):
+    """A forklift with its motion controller ``motion`` (`MotionVWAckermann`), and ``scales`` (`ContactForce`).
+
+    Its origin is on the floor, in the middle of the front axle; its fork is in the direction of its X axis.
+
+    Args:
+        name: its name, if it differs from the name of the variable that refers to it.
+        capacity: largest load, kg, up to 1500.
+        speed: of the fork, m/s.
+
+    Attributes:
+        motion: drives and steers it; ``properties(MaxSpeed=..., MaxAcceleration=...)`` has its limits.
+        scales: measure the forces on the fork.
+
+    Raises:
+        ValueError: a number is out of its range.
+    """
+
+    _classpath = "morse.plugins.facilities.robots.forklift.Forklift"
+
+    def __init__(self, name: str | None = None, *, capacity: float = 1000.0, speed: float = 0.3) -> None:
+        values = {
+            "Capacity": checks.number(capacity, "Forklift(capacity)", minimum=0.0, maximum=1500.0),
+            "Speed": checks.number(speed, "Forklift(speed)", minimum=0.01, maximum=1.0),
+        }
+        super().__init__("forklift", name)
+        self.scene_node.properties.update(values)
+        self.motion = ActuatorCreator("motion", classpath="morse.actuators.ackermann.MotionVWAckermann")
+        self.motion.properties(
+            LeftWheels="left_wheel",
+            RightWheels="right_wheel",
+            LeftSteering="left_steering",
+            RightSteering="right_steering",
+            SteeringLimit=1.2,
+            MaxSpeed=3.0,
+            MaxAcceleration=1.0,
+        )
+        self.append(self.motion)
+        self.scales = SensorCreator("scales", classpath="morse.sensors.contact_force.ContactForce")
+        self.append(self.scales, "fork")

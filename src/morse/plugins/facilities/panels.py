@@ -436,3 +436,26 @@ def belt_panels(
 def approach(value: float, target: float, step: float) -> float:
     """Return a value that has come nearer to another one by a step at most."""
     return target if abs(target - value) <= step else value + math.copysign(step, target - value)
+
+
+def travel(
+    place: float, speed: float, target: float, limits: tuple[float, float], period: float
+) -> tuple[float, float]:
+    """Return the place, m, and the speed, m/s, after a tick: as fast as allowed, and so that it stops at the target.
+
+    Args:
+        place, speed: before the tick.
+        target: m.
+        limits: speed, m/s, and acceleration, m/s^2.
+        period: of a tick, s.
+    """
+    most, acceleration = limits
+    way = target - place
+    sign = math.copysign(1.0, way)
+    rate = sign * speed + acceleration * period
+    if rate > 0.0:
+        # the speed from which it can just stop: v^2 / (2 a) = way
+        rate = min(rate, math.sqrt(2.0 * acceleration * abs(way)), most)
+        if rate * period >= abs(way):
+            return target, 0.0
+    return place + sign * rate * period, sign * rate

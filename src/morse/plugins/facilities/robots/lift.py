@@ -13,7 +13,15 @@ from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
-from morse.plugins.facilities.panels import Facility, Panels, are_lengths, check_numbers, lift_places, stored
+from morse.plugins.facilities.panels import (
+    Facility,
+    Panels,
+    are_lengths,
+    check_numbers,
+    lift_places,
+    stored,
+    travel,
+)
 
 if TYPE_CHECKING:
     from morse.core.values import StateData
@@ -139,19 +147,13 @@ class Lift(Robot, Facility):
 
     def _travel(self, target: float) -> None:
         """Move for a tick: as fast as allowed, and so that the cabin stops at the floor."""
-        data, period = self.local_data, self.clock.period
-        way = target - data["height"]
-        sign = math.copysign(1.0, way)
-        # the speed from which it can just stop: v^2 / (2 a) = way, less the way of this tick
-        most = min(math.sqrt(2.0 * self._acceleration * abs(way)), self._speed)
-        speed = min(abs(data["speed"]) + self._acceleration * period, most)
-        if speed * period >= abs(way):
-            data["height"], data["speed"], data["state"] = target, 0.0, "stopped"
-        else:
-            data["height"], data["speed"] = data["height"] + sign * speed * period, sign * speed
-            data["state"] = "up" if sign > 0.0 else "down"
+        data = self.local_data
+        up = target > data["height"]
+        limits = self._speed, self._acceleration
+        data["height"], data["speed"] = travel(data["height"], data["speed"], target, limits, self.clock.period)
+        data["state"] = "stopped" if not data["speed"] else "up" if up else "down"
         floors = range(len(self.levels))
-        if sign > 0.0:
+        if up:
             data["level"] = max((one for one in floors if self.levels[one] <= data["height"] + 1e-6), default=0)
         else:
             data["level"] = min((one for one in floors if self.levels[one] >= data["height"] - 1e-6), default=0)
