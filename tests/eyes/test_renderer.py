@@ -107,6 +107,17 @@ def test_edges_are_where_the_pinhole_puts_them() -> None:
     assert len(rows) == pytest.approx(2 * focal * 0.1 / 2.0, abs=1.01)
 
 
+def test_sensors_of_cameras_fill_pictures_of_any_shape() -> None:
+    sensor = 'resolution="640 480" focal=".01 .01" sensorsize=".012 .009" principal=".001 .0005"'
+    camera = f'<camera name="i" pos="0 -3 0" xyaxes="1 0 0 0 0 1" {sensor}/>'
+    ids = _picture(_world(camera + '<geom type="sphere" size=".3"/>'), mode="ids", camera="i", size=200)
+    columns, rows = (np.flatnonzero((ids[..., 0] == 0).any(axis=axis)) for axis in (0, 1))
+    # a sphere at 3 m, of the angle whose sine is 0.1, on 12 x 9 mm behind a focal length of 10 mm
+    wide = 2 * 0.01 * np.tan(np.arcsin(0.1))
+    assert len(columns) == pytest.approx(200 * wide / 0.012, abs=1.5)
+    assert len(rows) == pytest.approx(200 * wide / 0.009, abs=1.5)
+
+
 def test_orthographic_cameras_show_sizes_independent_of_the_distance() -> None:
     camera = '<camera name="o" pos="0 0 2" projection="orthographic" fovy="2"/>'
     for z in (0.0, 1.0):

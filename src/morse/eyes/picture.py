@@ -117,12 +117,12 @@ def view_of(scene: Any, width: int, height: int) -> View:
         [(a + b) / 2 for a, b in zip(getattr(one, name).tolist(), getattr(other, name).tolist(), strict=True)]
         for name in ("pos", "forward", "up")
     )
-    top, bottom, near, far, centre = (
-        (float(getattr(one, name)) + float(getattr(other, name))) / 2
-        for name in ("frustum_top", "frustum_bottom", "frustum_near", "frustum_far", "frustum_center")
+    names = ("frustum_top", "frustum_bottom", "frustum_near", "frustum_far", "frustum_center", "frustum_width")
+    top, bottom, near, far, centre, half = (
+        (float(getattr(one, name)) + float(getattr(other, name))) / 2 for name in names
     )
     length = math.sqrt(sum(part * part for part in forward))
-    finite = all(map(math.isfinite, (*eye, *forward, *up, top, bottom, near, far, centre)))
+    finite = all(map(math.isfinite, (*eye, *forward, *up, top, bottom, near, far, centre, half)))
     if not finite or length < 1e-9 or not top > bottom or not 0 < near < far:
         raise ValueError(
             f"The camera of the scene cannot be drawn: its position is {eye}, its direction "
@@ -134,16 +134,20 @@ def view_of(scene: Any, width: int, height: int) -> View:
     up = [a - along * b for a, b in zip(up, forward, strict=True)]
     length = max(math.sqrt(sum(part * part for part in up)), 1e-9)
     up = [part / length for part in up]
-    focal = height / (top - bottom)
+    down = height / (top - bottom)
+    # cameras with a size of their sensor fill any picture with it: pixels are then not square
+    across = width / (2 * half) if half > 0 else down
     shift = 0.0
-    cx, cy = width / 2 - centre * height / (top - bottom), height * top / (top - bottom)
+    cx, cy = width / 2 - centre * across, top * down
     if one.orthographic:
         # a pinhole that is so far away that its rays are nearly parallel
         shift = _AFAR * far
         eye = [a - shift * b for a, b in zip(eye, forward, strict=True)]
-    focal *= shift or near
+    focal = shift or near
     axes = np.array([cross(forward, up), [-part for part in up], forward])
-    return View(np.array(eye), axes, focal, focal, cx, cy, near + shift, far + shift, shift, width, height)
+    return View(
+        np.array(eye), axes, across * focal, down * focal, cx, cy, near + shift, far + shift, shift, width, height
+    )
 
 
 class Geoms(Protocol):
