@@ -157,7 +157,7 @@ env = Environment("empty")
     with scene(text) as sim:
         body, mass = sim.context.world.objects_by_name["crate"], float(sim.people.component.walkers.mass[0])
         # nobody gives way to what he does not see
-        sim.people.component.alert[:] = 2.0
+        sim.people.component.agenda.alert[:] = 2.0
         sim.step(5)
         body.set_velocity((0.5, 0.0, 0.0), None)
         peak = 0.0

@@ -37,11 +37,11 @@ def test_people_stand_in_line_are_served_one_after_the_other_and_leave(load):
         for _ in range(60 * 40):
             sim.step()
             walkers = sim.people.component
-            back = np.flatnonzero(walkers.stage == 1)
+            back = np.flatnonzero(walkers.agenda.stage == 1)
             for person in back.tolist():
                 if person not in [one for one, _ in served]:
                     served.append((person, sim.context.clock.time))
-            waiting = np.flatnonzero(walkers.mode == 9)
+            waiting = np.flatnonzero(walkers.agenda.mode == 9)
             lengths.append(len(waiting))
             if len(waiting) == 4 and len(set(lengths[-240:])) == 1 and len(lengths) > 240:
                 # side by side in a row: the nearest ones are half a metre apart, none beside another
@@ -71,10 +71,10 @@ def test_seats_are_taken_by_one_person_each(load):
         for _ in range(60):
             sim.step(30)
             crowd = sim.people.component
-            seated = np.flatnonzero(crowd.mode == 10)
+            seated = np.flatnonzero(crowd.agenda.mode == 10)
             most = max(most, len(seated))
             for person in seated.tolist():
-                if np.linalg.norm(crowd.walkers.position[person] - crowd.target[person]) < 0.1:
+                if np.linalg.norm(crowd.walkers.position[person] - crowd.agenda.target[person]) < 0.1:
                     sat.add(person)
                     trunk = sim.context.world.objects_by_name[f"people {person}"].world_pose()[0]
                     # the trunk is as much lower as the hips of somebody who sits are
@@ -105,8 +105,11 @@ c.goals([(-4.1, -0.6), (-4.1, 0.6)], then="sit", wait=4.0)
             sim.step(15)
             crowd = sim.people.component
             assert (crowd.walkers.position[:, 0] > -4.15).all()
-            for person in np.flatnonzero(crowd.mode == 10).tolist():
-                if crowd.until[person] - sim.context.clock.time < 2.0 and not crowd._leaves(np.array([person]))[0]:
+            for person in np.flatnonzero(crowd.agenda.mode == 10).tolist():
+                if (
+                    crowd.agenda.until[person] - sim.context.clock.time < 2.0
+                    and not crowd.agenda.stands_up(np.array([person]))[0]
+                ):
                     seated += 1
                     assert crowd.gait.heading[person, 0] > 0.5
             if not sim.people.data["present"].any():

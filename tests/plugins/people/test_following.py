@@ -88,7 +88,7 @@ def test_leaders_whom_nobody_follows_any_more_are_forgotten(tmp_path):
         (person,) = sim.people.follow("human", 1).result()
         followed[person] = "human"
         names = list(crowd._trails)
-        assert {person: names[crowd.leader[person]] for person in followed} == followed
+        assert {person: names[crowd.agenda.leader[person]] for person in followed} == followed
         assert len(names) <= 4
         sim.restore(sim.save())
         assert sim.people.ask(person).result()["state"] == "follows"

@@ -174,7 +174,7 @@ def test_a_thousand_places_of_clients_keep_few_ways(tmp_path):
     with morse.load(_scene(tmp_path, BOX)) as sim:
         for number in range(150):
             sim.people.send(number % 5, 0.04 * number, 3.0).result()
-        assert len(sim.people.component._ways) <= 64
+        assert len(sim.people.component.plan.ways) <= 64
         sim.step(5)
 
 
