@@ -738,7 +738,8 @@ def test_on_a_telephone_one_model_is_added_after_the_other(desk: Desk, open_page
         page.locator(f"[data-kind={kind}]").click()
         shown(f"morse.components.selected.value === '{name}'")
         assert page.locator(".add-panel").is_visible()
-    assert toasts(page) == ["morsy is in the world.", "morsy.imu is on morsy."]
+    # another simulation on this machine may have the port of the services, and the page says so
+    assert [one for one in toasts(page) if "morsy" in one] == ["morsy is in the world.", "morsy.imu is on morsy."]
     # above the list, which covers the world
     layers = "['.toasts', '.left'].map((name) => Number(getComputedStyle(document.querySelector(name)).zIndex))"
     above, below = page.evaluate(layers)
