@@ -201,6 +201,25 @@ def _where(declaration: ComponentDeclaration) -> str:
     return f"{declaration.kind} '{declaration.name}'{place}"
 
 
+@contextmanager
+def _blamed(where: SourceLine | None, who: str, failed: str) -> Iterator[None]:
+    """Errors of a part of the scene become messages with its line in the script.
+
+    Args:
+        where: the line that has created it.
+        who: before the text of errors that are messages already.
+        failed: before what has failed in the classes of users.
+    """
+    try:
+        yield
+    except MorseError as error:
+        raise LoadError(f"{who}: {error}", where) from None
+    except ENDINGS:
+        raise
+    except BaseException as error:
+        raise LoadError(f"{failed}: {describe(error)}", where) from error
+
+
 def make_component(context: Context, declaration: ComponentDeclaration, robot: Robot | None) -> Any:
     """Instantiate one component.
 
@@ -217,7 +236,8 @@ def _made(context: Context, declaration: ComponentDeclaration, robot: Robot | No
         obj["frequency"] = declaration.frequency
     if declaration.level is not None:
         obj["abstraction_level"] = declaration.level
-    try:
+    name = _where(declaration)
+    with _blamed(declaration.where, name, f"{name} could not be created"):
         cls = load_class(declaration.classpath)
         cls = _class_of_level(cls, declaration.level)
         component = _instance(cls, obj, robot)
@@ -232,13 +252,6 @@ def _made(context: Context, declaration: ComponentDeclaration, robot: Robot | No
         if isinstance(realism, RealismModel):
             component.realism = component.make_realism(realism)
         return component
-    except MorseError as error:
-        raise LoadError(f"{_where(declaration)}: {error}", declaration.where) from None
-    except ENDINGS:
-        raise
-    except BaseException as error:
-        text = f"{_where(declaration)} could not be created: {describe(error)}"
-        raise LoadError(text, declaration.where) from error
 
 
 def _check_methods(component: Object, declaration: ComponentDeclaration) -> None:
@@ -292,15 +305,9 @@ def connect(context: Context, parts: Loaded, declarations: Sequence[ComponentDec
         with about(declaration.where):
             _add_interfaces(context, component, declaration)
     for declaration, component in present:
-        try:
+        name = _where(declaration)
+        with _blamed(declaration.where, name, f"{name} cannot check the scene"):
             component.check_scene()
-        except MorseError as error:
-            raise LoadError(f"{_where(declaration)}: {error}", declaration.where) from None
-        except ENDINGS:
-            raise
-        except BaseException as error:
-            text = f"{_where(declaration)} cannot check the scene: {describe(error)}"
-            raise LoadError(text, declaration.where) from error
 
 
 def _alter(declaration: ComponentDeclaration, cls: type, alterations: Sequence[SensorAlteration]) -> None:
@@ -379,20 +386,14 @@ def make_modifier(
     Raises:
         LoadError: the message contains the component and the line of the script that created it.
     """
-    try:
+    owner = _where(declaration)
+    with _blamed(modifier.where, f"modifier of {owner}", f"modifier {modifier.classpath} of {owner}"):
         cls = load_class(modifier.classpath)
         if reason := laziness(getattr(cls, "modify", None)):
             raise LoadError(f"{cls.__name__}.modify {reason}: a call of it runs nothing")
         instance: AbstractModifier = cls(component, dict(modifier.options))
         instance.initialize()
         return instance
-    except MorseError as error:
-        raise LoadError(f"modifier of {_where(declaration)}: {error}", modifier.where) from None
-    except ENDINGS:
-        raise
-    except BaseException as error:
-        text = f"modifier {modifier.classpath} of {_where(declaration)}: {describe(error)}"
-        raise LoadError(text, modifier.where) from error
 
 
 def _add_modifier(
