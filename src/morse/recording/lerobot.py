@@ -443,7 +443,7 @@ class _Statistics:
     """Minimum, maximum, mean and standard deviation of each feature of an episode, without what is not finite."""
 
     def __init__(self) -> None:
-        self._rows: dict[str, list[NDArray[np.float64]]] = {}
+        self._rows: dict[str, NDArray[np.float64]] = {}
         self._pictures: dict[str, tuple[int, NDArray[np.float64]]] = {}
 
     def add(self, name: str, rows: NDArray[Any]) -> None:
@@ -461,9 +461,10 @@ class _Statistics:
                 np.full(values.shape[1], float(len(values))),
             ]
         )
-        old = self._rows.setdefault(name, [part])
-        if old[0] is not part:
-            old[0] = np.stack([np.minimum(old[0][0], part[0]), np.maximum(old[0][1], part[1]), *(old[0] + part)[2:]])
+        old = self._rows.get(name)
+        if old is not None:
+            part = np.stack([np.minimum(old[0], part[0]), np.maximum(old[1], part[1]), *(old + part)[2:]])
+        self._rows[name] = part
 
     def add_picture(self, name: str, moments: NDArray[np.float64]) -> None:
         """Add a picture: minima, maxima, means and mean squares of its colors, (4, 3)."""
@@ -477,8 +478,7 @@ class _Statistics:
     def content(self) -> dict[str, dict[str, Any]]:
         """As in ``meta/episodes_stats.jsonl``."""
         found: dict[str, dict[str, Any]] = {}
-        for name, (rows,) in self._rows.items():
-            low, high, total, squares, known, count = rows
+        for name, (low, high, total, squares, known, count) in self._rows.items():
             mean = total / np.maximum(known, 1.0)
             spread = np.sqrt(np.maximum(squares / np.maximum(known, 1.0) - mean**2, 0.0))
             values = {"min": low, "max": high, "mean": mean, "std": spread}
