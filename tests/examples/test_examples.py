@@ -1,6 +1,7 @@
 """Every example works as described. The values are those of geometry and physics."""
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,12 @@ def test_each_example_is_tested_described_and_shown():
         assert each.client.is_file()
         assert f"(pictures/examples/{each.name}.webp)" in page
         assert each.what in page
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md", "docs/tutorial.md"])
+def test_pages_say_how_many_examples_there_are(page):
+    text = Path(__file__).parents[2].joinpath(page).read_text(encoding="utf-8")
+    assert {int(number) for number in re.findall(r"(\d+) scenes", text)} == {len(examples())}
 
 
 @example_test("drive")
