@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
 
 #: what a person does
-WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT, RECORDED, QUEUES, SITS, FOLLOWS = range(12)
+WALKS, STOPPED, SENT, WAITS, ARRIVED, GONE, OUTSIDE, LEFT_OUT, RECORDED, QUEUES, SITS, FOLLOWS, DRIVEN = range(13)
 WORDS = (
     "walks",
     "stopped",
@@ -32,8 +32,9 @@ WORDS = (
     "queues",
     "sits",
     "follows",
+    "driven",
 )
-_ABSENT = (GONE, OUTSIDE, LEFT_OUT)
+_ABSENT = (GONE, OUTSIDE, LEFT_OUT, DRIVEN)
 #: m: a person has arrived
 ARRIVES = 0.4
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.assets.search import find_file
 from morse.builder.components.robot import Robot
+from morse.builder.components.robots import Human
 from morse.builder.errors import checks
 from morse.builder.names.frames import source_line
 from morse.system.regular_files import read_regular
@@ -106,6 +107,7 @@ class Crowd(Robot):
         self._flows: list[dict[str, Any]] = []
         self._attention: dict[str, float] = {}
         self._watched: list[tuple[Any, float]] = []
+        self._members: list[tuple[Any, dict[str, Any]]] = []
         node = self.scene_node
         node.properties.update(values)
         node.properties["Floors"] = json.dumps(heights_of_floors)
@@ -223,6 +225,37 @@ class Crowd(Robot):
         self._default = _plan(goals, then, wait, "Crowd.goals")
         self._tell()
 
+    def joins(
+        self,
+        human: Any,
+        goals: Iterable[object] | None = None,
+        then: str | Iterable[object] = "stay",
+        wait: float = 0.0,
+        *,
+        joined: bool = True,
+    ) -> None:
+        """Let a `Human` walk with the crowd, from where it stands: it avoids the others, and they avoid it.
+
+        Its own actuators have no effect meanwhile. The services ``leave`` and ``join`` change that in the simulation.
+
+        Args:
+            human: a `Human`, or its name.
+            goals: its own goals, see `goals`; None for those of the people who have none of their own.
+            then: see `goals`.
+            wait: see `goals`.
+            joined: whether it walks with the crowd from the beginning.
+
+        Raises:
+            TypeError: it is no `Human`, or the people follow recorded trajectories.
+        """
+        what = "Crowd.joins"
+        if self._tracks:
+            raise TypeError(f"{what}: recorded people walk as they have walked, with nobody else")
+        if not isinstance(human, str | Human):
+            raise TypeError(f"{what}(human) takes a Human or its name, got {checks.shown(human)}")
+        own: dict[str, Any] = {"goals": None} if goals is None else _plan(goals, then, wait, what)
+        self._members.append((human, own | {"joins": checks.boolean(joined, f"{what}(joined)")}))
+
     def avoids(self, robot: Any, attention: float = 1.0) -> None:
         """Set which share of the people sees a robot; all see the robots that are not named.
 
@@ -242,12 +275,16 @@ class Crowd(Robot):
         plan: dict[str, object] = {"flows": self._flows, "default": self._default}
         if self._tracks:
             plan |= {"tracks": self._tracks, "repeat": self._repeat}
+        plan["members"] = [
+            {"robot": one if isinstance(one, str) else str(one.name), **own} for one, own in self._members
+        ]
         self.scene_node.properties["Plan"] = json.dumps(plan)
 
     def _declaration(self, robot: Any) -> Any:
         # robots have their names only now
         names = {one if isinstance(one, str) else str(one.name): share for one, share in self._watched}
         self.scene_node.properties["Attention"] = json.dumps(names)
+        self._tell()
         return super()._declaration(robot)
 
 

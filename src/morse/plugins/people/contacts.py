@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.core.reports.quoting import nearest as nearest_name
+from morse.plugins.people.members import joined
 from morse.plugins.people.walking import Others, Walkers
 from morse.plugins.people.wayfinding import HEIGHT, Ground, distance_to, hull
 from morse.scene import PhysicsType
@@ -260,7 +261,7 @@ class Surroundings:
         self.context, self.crowd, self.floors, self.shares = context, crowd, floors, shares
         self._alert = alert
         self._movers: list[Mover] | None = None
-        self._arrangement = -1
+        self._arrangement: tuple[int, list[str]] = (-1, [])
 
     def crowds(self) -> list[Strangers]:
         """Return the people of the other crowds, on the floors of this one."""
@@ -290,9 +291,11 @@ class Surroundings:
     def movers(self) -> list[Mover]:
         """Return the robots and the moving objects, which people may see and touch."""
         world = self.context.world
-        if self._movers is not None and self._arrangement == world.arrangement:
+        # members of crowds are people, not robots
+        members = [name for robot in self.context.robots.values() for name in joined(robot)]
+        if self._movers is not None and self._arrangement == (world.arrangement, members):
             return self._movers
-        self._arrangement, self._movers = world.arrangement, []
+        self._arrangement, self._movers = (world.arrangement, members), []
         for name in self.shares:
             if name not in self.context.robots:
                 hint = nearest_name(name, sorted(self.context.robots))
@@ -300,13 +303,14 @@ class Surroundings:
                 self.context.complaints.warn(text, text)
         roots: dict[Body, float] = {}
         for name, robot in self.context.robots.items():
-            if isinstance(getattr(robot, "walkers", None), Walkers):
+            if isinstance(getattr(robot, "walkers", None), Walkers) or name in members:
                 continue
             share, body = self.shares.get(name, 1.0), robot.bge_object
             # what only owns others, such as the panels of a door, is nothing of its own
             panels = [node for node in body.node.walk() if is_placed(node)]
             roots |= dict.fromkeys([world.object_of(node) for node in panels] if panels else [body], share)
         nodes = {body.node for body in roots}
+        nodes |= {self.context.robots[name].bge_object.node for name in members if name in self.context.robots}
         stack = list(self.context.scene.roots)
         while stack:
             node = stack.pop()
@@ -400,14 +404,15 @@ class Surroundings:
         """Let people and things that touch push each other; return the contacts.
 
         Args:
-            walkers: people, whose pushes are set, and who are moved out of what they stand in.
+            walkers: people, whose pushes are set, and who are moved out of what they stand in. The physics pushes
+                members, who are the last ones.
             area: (N,) on which floor, or in which cabin, each of them is.
-            heights: (N,) m.
+            heights: (P,) m, of the people without the members.
             touching: contacts that last, `Touch` by the names of both, which is changed.
         """
         contacts: list[dict[str, Any]] = []
         alive: dict[str, tuple[float, float, float]] = {}
-        present = np.flatnonzero(walkers.present)
+        present = np.flatnonzero(walkers.present[: len(heights)])
         floor, shift = self.floors.heights[area[present]], self.floors.shift[area[present]]
         for mover in self.movers():
             place, _ = mover.body.world_pose()

@@ -10,6 +10,8 @@ import numpy as np
 from morse.core.exceptions import MorseError, MorseRPCInvokationError
 from morse.core.reports.quoting import nearest as nearest_name
 from morse.plugins.people.errands import Queue, line_back, phases
+from morse.plugins.people.members import declared
+from morse.plugins.people.members import flows as member_flows
 from morse.plugins.people.recorded import checked
 from morse.plugins.people.wayfinding import Ground, Way, walls
 from morse.scene import PhysicsType
@@ -49,6 +51,7 @@ class Plan:
 
     Attributes:
         flows: each with its ``area``, ``floor``, ``goals``, ``places``, ``ways`` and ``then``.
+        members: nodes of the robots that are members, and whether they walk with the crowd from the beginning.
         tracks: recorded trajectories; None for people who walk by themselves.
         ground: with the walls of the scene.
         loose: outlines (V, 2) of what can move, at its places in the scene, m, on the plane.
@@ -70,6 +73,7 @@ class Plan:
     ) -> None:
         self._context, self._name, self._floors, self._count, self._middle = context, name, floors, count, middle
         self.ways: dict[bytes, Way] = {}
+        self.members: dict[str, tuple[Node, bool]] = {}
         self.flows = self._read(plan)
         self.ground = self._survey(radius)
 
@@ -88,6 +92,9 @@ class Plan:
         open_flows = [flow for flow in flows if flow["count"] is None]
         for number, flow in enumerate(open_flows):
             flow["count"] = free // len(open_flows) + (number < free % len(open_flows))
+        members = plan.get("members") or []
+        self.members = declared(self._name, members, self._context)
+        flows += member_flows(members, self.members, self._count)
         for flow in flows:
             if flow["goals"] is None:
                 flow.update(default)
@@ -145,6 +152,9 @@ class Plan:
         ground = Ground.beside(grounds)
         self._floors.connect(ground)
         for flow in self.flows:
+            if "begin" in flow:  # the robot of a member stands on the floor below it
+                x, y, z = flow["area"][0]
+                flow["area"] = [[x, y] if self._floors.count == 1 else [x, y, self._floor_below(z)]]
             flow["area"], flow["floor"] = self._on_plane(flow["area"])
             flow["places"] = [self._on_plane(place)[0] for place in self._places(flow)]
         return ground

@@ -344,6 +344,12 @@ class Riding:
         rides = self.area[rows] >= self._floors.count
         walkers.wanted[rows] = shaft.turned(np.where(rides[:, None], np.array([1.0, 0.0]), steps))
 
+    def forget(self, person: int) -> None:
+        """Let a person have nothing to do with lifts, who is on the floor where the cabin is if it was aboard."""
+        if self.area[person] >= self._floors.count:
+            self.area[person] = self._floors.floor_of(float(self._floors.heights[self.area[person]]))
+        self._set(np.array([person]), ON_FOOT, -1)
+
     def carried(self) -> Indices:
         """Return who stands in a cabin whose doors are closed."""
         return np.flatnonzero(self.area >= self._floors.count)

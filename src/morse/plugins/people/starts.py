@@ -73,15 +73,18 @@ class Starts:
         self._entrances = np.zeros((count, _ENTRANCES, 2))
         places = Places(self._plan.ground, self._plan.loose, self._around.crowds())
         for number, flow in enumerate(self._plan.flows):
-            rows = np.arange(begin, begin + flow["count"])
-            begin += len(rows)
+            rows = np.arange(flow.get("begin", begin), flow.get("begin", begin) + flow["count"])
+            begin += 0 if "begin" in flow else len(rows)
             self._agenda.flow[rows] = number
             area[rows] = flow["floor"]
             flow["ways"] = self._plan.ways_of(flow)
             if flow["then"] == "sit":
                 self._agenda.stage[rows] = np.arange(len(rows)) % len(flow["goals"])
-            self._make_groups(rows, groups)
             corners = np.array(flow["area"])
+            if "begin" in flow:
+                self._walkers.position[rows] = corners
+                continue
+            self._make_groups(rows, groups)
             if flow["over"]:
                 self._agenda.mode[rows] = OUTSIDE
                 self._agenda.until[rows] = np.sort(random.random(len(rows))) * flow["over"]

@@ -22,6 +22,7 @@ from morse.plugins.people.errands import HERE, sit_down
 from morse.plugins.people.floors import MOST_FLOORS, Floors
 from morse.plugins.people.following import MOST_LEADERS, Trails, can_be
 from morse.plugins.people.gait import Gait
+from morse.plugins.people.members import HEIGHT, Members
 from morse.plugins.people.plan import Plan
 from morse.plugins.people.progress import advance, follow_leaders, look_ahead
 from morse.plugins.people.recorded import FASTEST, Tracks
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
     from morse.core.world import Body
+    from morse.plugins.people.members import Guided
     from morse.plugins.people.wayfinding import Way
 
     Floats = NDArray[np.float64]
@@ -146,7 +148,7 @@ class Crowd(Robot):
         self._shares = {
             str(name): float(share) for name, share in _json(self, "Attention", self._attention, dict).items()
         }
-        self._count = count = len(heights)
+        self._own = count = len(heights)
         trunks = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
         if len(trunks) != count:
             raise MorseError(f"{self.name()} has {len(trunks)} bodies and {count} heights: scripts write both")
@@ -163,39 +165,52 @@ class Crowd(Robot):
         self._reported: dict[str, bool] = {}
         self._trails: Trails = {}
         random = self.context.random(self.name())
-        rides = np.arange(count) < int(self._rides)
-        radius = np.where(rides, np.maximum(0.38, self._radius), self._radius * np.minimum(heights / 1.7, 1.0) ** 0.5)
         x, y, _ = (float(one) for one in obj.world_pose()[0])
         plan = _json(self, "Plan", self._plan, dict)
-        slimmest = float(radius.min(initial=1.0))
+        slimmest = float(self._radii(heights).min(initial=1.0))
         self.plan = Plan(self.context, self.name(), self.floors, plan, count, (x, y), slimmest)
+        self.members = Members(self.context, self.plan.members, count)
+        heights = np.concatenate([heights, np.full(len(self.members.rows), HEIGHT)])
+        self._count, rides, radius = len(heights), self._rides_of(heights), self._radii(heights)
         self.ground, self._tracks = self.plan.ground, self.plan.tracks
-        self.agenda = Agenda(count)
+        self.agenda = Agenda(self._count)
         self._around = Surroundings(self.context, self.name(), self.floors, self._shares, lambda: self.agenda.alert)
-        self.walkers = Walkers.at(self.ground, np.zeros((count, 2)), 0.0, radius)
+        self.walkers = Walkers.at(self.ground, np.zeros((self._count, 2)), 0.0, radius)
         self.walkers.mass = _MASS * (heights / 1.75) ** 2 + np.where(rides, 20.0, 0.0)
-        self.riding = Riding(self.context, self.floors, self.ground, self._around, count)
+        self.riding = Riding(self.context, self.floors, self.ground, self._around, self._count)
         self._starts = Starts(self.context, self.name(), self.plan, self._around, self.agenda, self.walkers, random)
         self._starts.settle(self._free_speeds(heights, random), self._groups, self.riding.area)
+        self.members.begin(self.agenda, self.walkers)
         if self._tracks is not None:
             self._follow(self._tracks, begins=True)
         look_ahead(self.plan, self.agenda, self.walkers)
         heading = self.walkers.wanted.copy()
         heading[(heading == 0.0).all(axis=1)] = (1.0, 0.0)
-        draw = random.random(count)
-        self.gait = Gait.at(self.walkers.position, heading, heights, rides, np.floor(8.0 * draw))
+        draw = random.random(self._count)
+        # members have legs, but not of the crowd
+        legless = rides | (np.arange(self._count) >= count)
+        self.gait = Gait.at(self.walkers.position, heading, heights, legless, np.floor(8.0 * draw))
         legs = [[node.children[side] for node in trunks if node.children] for side in (0, 1)]
         self._bodies = [self.context.world.object_of(node) for node in (*trunks, *legs[0], *legs[1])]
         self._rows = self.context.world.kinematic_bodies(self._bodies)
+        self._trunks = [*self._bodies[:count], *self.members.bodies()]
         self._shown = np.ones(count, dtype=bool)
         self._states = States(self.name(), self.walkers, self.gait, self.agenda, self.riding, self.plan)
         self._show()
 
+    def _rides_of(self, heights: Floats) -> NDArray[np.bool_]:
+        """Return (N,) who sits in a wheelchair."""
+        return np.arange(len(heights)) < int(self._rides)
+
+    def _radii(self, heights: Floats) -> Floats:
+        """Return the radii (N,) of people by their heights (N,), m."""
+        own = self._radius * np.minimum(heights / 1.7, 1.0) ** 0.5
+        return np.where(self._rides_of(heights), np.maximum(0.38, self._radius), own)
+
     def _free_speeds(self, heights: Floats, random: np.random.Generator) -> Floats:
         """Return the speeds (N,) of people whose way is free, m/s, by their heights (N,), m."""
-        people = np.arange(len(heights))
         speeds = np.clip(random.normal(0.0, 1.0, len(heights)), -2.0, 2.0) * self._deviation + self._free_speed
-        rides = people < int(self._rides)
+        rides = self._rides_of(heights)
         # children of 1.0 to 1.45 m: 80 to 95 % of the speed; wheelchairs: 1.08 m/s (Weidmann 1993; Boyce et al. 1999)
         speeds = np.where((heights < 1.5) & ~rides, speeds * (0.45 + 0.35 * heights), speeds)
         speeds = np.where(rides, speeds * 0.8, speeds)
@@ -227,6 +242,7 @@ class Crowd(Robot):
             self._follow(self._tracks)
         else:
             now = self.clock.time
+            self.members.observe(walkers, self.agenda, self.riding.area, self.floors.shift, self._seconds)
             self._starts.enter(now, self.gait)
             advance(self.plan, self.agenda, walkers, now)
             look_ahead(self.plan, self.agenda, walkers)
@@ -236,7 +252,7 @@ class Crowd(Robot):
             self._around.open_doors(walkers, self.riding.area)
             others = self._around.seen(self._count)
             self._touch()
-            before = walkers.position
+            before = walkers.position.copy()
             walkers.step(self._seconds, self._law, others)
             carried = self.riding.carried()
             walkers.position[carried], walkers.velocity[carried] = before[carried], 0.0
@@ -244,6 +260,8 @@ class Crowd(Robot):
             walkers.position[sits] = sit_down(before[sits], self.agenda.target[sits], self._seconds)
             walkers.velocity[sits] = 0.0
         self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted)
+        if self._tracks is None:
+            self.members.guide(walkers, before, self.gait, self._seconds)
         self._show()
 
     def _way_of(self, person: int) -> Way | None:
@@ -273,7 +291,7 @@ class Crowd(Robot):
         """Let people and things that touch push each other, and tell of those that do so too hard."""
         data = self.local_data
         data["contacts"] = contacts = self._around.touch(
-            self.walkers, self.riding.area, self.gait.height, self._touching
+            self.walkers, self.riding.area, self.gait.height[: self._own], self._touching
         )
         for key in self._reported.keys() - {f"{one['person']} {one['robot']}" for one in contacts}:
             del self._reported[key]
@@ -295,19 +313,22 @@ class Crowd(Robot):
         area = self.riding.area
         # from the plane to the world
         offset = np.column_stack([-self.floors.shift[area], self.floors.heights[area]])
-        self._rows.place(*self.gait.poses(walkers.position, walkers.velocity, walkers.present, offset, sits))
-        changed = np.flatnonzero(self._shown != walkers.present)
+        poses = self.gait.poses(walkers.position, walkers.velocity, walkers.present, offset, sits)
+        # the bodies of members are those of their robots
+        self._rows.place(*(np.concatenate([one[: self._own], one[self._count :]]) for one in poses))
+        present = walkers.present[: self._own]
+        changed = np.flatnonzero(self._shown != present)
         if len(changed):
             legged = np.cumsum(~self.gait.rides) - 1
             total = int((~self.gait.rides).sum())
             for row in changed.tolist():
-                is_here = bool(walkers.present[row])
+                is_here = bool(present[row])
                 own = [row]
                 if not self.gait.rides[row]:
-                    own += [self._count + int(legged[row]), self._count + total + int(legged[row])]
+                    own += [self._own + int(legged[row]), self._own + total + int(legged[row])]
                 for part in own:
                     self._bodies[part].setVisible(is_here)
-            self._shown = walkers.present.copy()
+            self._shown = present.copy()
         data["positions"] = np.column_stack([walkers.position + offset[:, :2], offset[:, 2]])
         data["velocities"] = np.column_stack([walkers.velocity, self.riding.speeds()])
         data["present"] = walkers.present.copy()
@@ -315,13 +336,13 @@ class Crowd(Robot):
 
     def trunk(self, person: int) -> Body:
         """Return the trunk of a person."""
-        return self._bodies[person]
+        return self._trunks[person]
 
     def record(self, person: int) -> dict[str, object]:
         """Return what trackers tell of a person; see `PeopleTracker`."""
         walkers, heading = self.walkers, self.gait.heading[person]
         return {
-            "name": self._bodies[person].name,
+            "name": self._trunks[person].name,
             "id": person,
             "group_id": int(walkers.group[person]),
             "position": self.local_data["positions"][person].tolist(),
@@ -415,6 +436,8 @@ class Crowd(Robot):
         if way is None:
             raise MorseRPCInvokationError(f"{robot:.80} is where nobody can go: on the ground, or within a wall")
         rows = np.flatnonzero(self.walkers.present & (self.riding.ride == ON_FOOT))
+        # a member that leads does not follow itself
+        rows = rows[rows != self.members.rows.get(robot, -1)]
         time = self.ground.time(way, self.walkers.position[rows])
         order = np.argsort(time, kind="stable")
         chosen = rows[order[np.isfinite(time[order])]][:count]
@@ -423,6 +446,47 @@ class Crowd(Robot):
         self.agenda.mode[chosen], self.agenda.rank[chosen] = FOLLOWS, np.arange(len(chosen))
         self.agenda.leader[chosen] = names.index(robot)
         return [int(row) for row in chosen]
+
+    def _member(self, robot: str) -> Guided:
+        self._obey()
+        guided = self.members.robot(robot)
+        if guided is None:
+            hint = nearest_name(robot, sorted(self.members.rows))
+            raise MorseRPCInvokationError(
+                f"'{robot:.80}' is no member of {self.name()}{hint}: members are those whom the script lets join"
+            )
+        return guided
+
+    @service
+    def join(self, robot: str) -> int:
+        """Let a member of the crowd, a `Human`, walk with it to its goals; return its number.
+
+        Its own actuators have no effect until `leave`.
+
+        Args:
+            robot: name of the robot, of which the script has said that it ``joins``.
+        """
+        place = self._place_of(robot) if self._member(robot) else None
+        row = self.members.rows[robot]
+        if self.walkers.present[row]:
+            return row
+        if place is None or self.ground.cell_at(np.array(place)) < 0:
+            raise MorseRPCInvokationError(f"{robot:.80} is where nobody can go: on the ground, or within a wall")
+        self.riding.area[row] = self.floors.floor_of(self._trunks[row].world_pose()[0][2])
+        self.members.join(robot, self.walkers, self.agenda, np.array(place))
+        self.gait.stand(np.array([row]), self.walkers.position)
+        return row
+
+    @service
+    def leave(self, robot: str) -> None:
+        """Leave a member of the crowd to its own actuators: people see it as a robot.
+
+        Args:
+            robot: name of the robot.
+        """
+        self._member(robot)
+        self.riding.forget(self.members.rows[robot])
+        self.members.leave(robot, self.walkers, self.agenda)
 
     @service
     def stop(self, person: int = -1) -> None:
