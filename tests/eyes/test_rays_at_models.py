@@ -237,3 +237,25 @@ def test_points_of_each_ray_and_each_world() -> None:
     assert hits.geoms[0, 0] == -1
     np.testing.assert_array_equal(hits.geoms[0, 1:], both.geoms[0, 1:])
     assert not (hits.geoms[1] == 2).any()
+
+
+@pytest.mark.parametrize("solids", [1, 8, 40])
+@pytest.mark.parametrize("inside", [False, True])
+def test_normals_are_those_of_mujoco(solids: int, inside: bool) -> None:
+    model, data = _many(solids)
+    # not a multiple of the eight rays of a packet
+    ways = np.random.default_rng(4).normal(size=(1501, 3))
+    point = np.array(data.geom_xpos[1]) if inside else np.array([0.3, 0.2, 5.0])
+    geoms, distances, normals = np.zeros(len(ways), np.int32), np.zeros(len(ways)), np.zeros((len(ways), 3))
+    mujoco.mj_multiRay(
+        model, data, point, ways.ravel(), None, 1, -1, geoms, distances, normals.ravel(), len(ways), 1e10
+    )
+    hits, without = morse.Rays(model).cast(data, point, ways), morse.Rays(model).cast(data, point, ways, normals=False)
+    np.testing.assert_array_equal(hits.distances, without.distances)
+    np.testing.assert_array_equal(hits.geoms, without.geoms)
+    same = (hits.geoms == geoms) & (geoms >= 0)
+    assert same.sum() > 50
+    # ours are against the ray, also inside of a solid
+    cosines = np.abs((hits.normals * normals).sum(axis=1))[same]
+    assert (cosines > 1 - 1e-9).mean() > 0.998
+    assert not hits.normals[hits.geoms < 0].any()

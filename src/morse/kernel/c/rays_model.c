@@ -318,65 +318,96 @@ static inline void normals_at(int32_t kind, const double *size, const Doubles *a
 
 // The unit normals of a solid that four rays have hit, against the rays; of other lanes, anything.
 static inline void find_normals(const Model *m, const ModelRays *rays, int64_t world, const Bundle *b, const Packet *p,
-                                int half, Longs met, int32_t solid, Doubles *to) {
-    const Target t = target_of(m, rays, world, b, solid);
-    const Doubles way[3] = {p->way[0][half], p->way[1][half], p->way[2][half]};
-    Doubles own[3] = {EACH(Doubles, 0.0), EACH(Doubles, 0.0), EACH(Doubles, 1.0)}, at[3], local[3];
-    if (t.kind == MESH) {
-        for (int k = 0; k < 4; k++) {
-            const int64_t face = m->first_faces[solid] + (met[k] ? p->face[4 * half + k] : 0);
-            for (int j = 0; j < 3; j++) own[j][k] = m->face_normals[3 * face + j];
-        }
-    } else if (t.kind != PLANE) {
-        origins_in(&t, b, p, half, at);
-        into4(t.turn, way, local);
-        for (int k = 0; k < 3; k++) at[k] = at[k] + p->distance[half] * local[k];
-        normals_at(t.kind, t.size, at, own);
+                                int half, int32_t solid, Doubles *to) {
+    const int64_t geom = m->geoms[solid];
+    const double *place = rays->positions[world] + 3 * geom, *turn = rays->turns[world] + 9 * geom;
+    const int32_t kind = m->kinds[solid];
+    if (kind == PLANE) {
+        // hit from the front
+        for (int k = 0; k < 3; k++) to[k] = EACH(Doubles, turn[3 * k + 2]);
+        return;
     }
-    for (int k = 0; k < 3; k++)
-        to[k] = t.turn[3 * k] * own[0] + t.turn[3 * k + 1] * own[1] + t.turn[3 * k + 2] * own[2];
-    const Doubles length = root4(dot34(to, to)), side = sign4(-dot34(to, way));
-    const Doubles scale = side / larger4(length, EACH(Doubles, 1e-300));
+    Doubles own[3], at[3];
+    if (kind == MESH) {
+        for (int k = 0; k < 4; k++) {
+            const int is_met = p->solid[half][k] == solid;
+            const double *normal = m->face_normals + 3 * (m->first_faces[solid] + (is_met ? p->face[4 * half + k] : 0));
+            for (int j = 0; j < 3; j++) own[j][k] = normal[j];
+        }
+    } else {
+        for (int k = 0; k < 3; k++) {
+            const Doubles origin = b->shared ? EACH(Doubles, b->anchor[k]) : p->origin[k][half];
+            at[k] = origin - place[k] + p->distance[half] * p->way[k][half];
+        }
+        Doubles local[3];
+        into4(turn, at, local);
+        normals_at(kind, m->sizes + 3 * (int64_t)solid, local, own);
+    }
+    for (int k = 0; k < 3; k++) to[k] = turn[3 * k] * own[0] + turn[3 * k + 1] * own[1] + turn[3 * k + 2] * own[2];
+    const Doubles way[3] = {p->way[0][half], p->way[1][half], p->way[2][half]};
+    Doubles scale = sign4(-dot34(to, way));
+    // those of boxes and triangles are unit vectors already
+    if (kind != BOX && kind != MESH) scale /= larger4(root4(dot34(to, to)), EACH(Doubles, 1e-300));
     for (int k = 0; k < 3; k++) to[k] *= scale;
 }
 
-static inline void write_normals(const Model *m, const ModelRays *rays, int64_t world, const Bundle *b, double *to) {
-    for (int32_t n = 0; n < b->rays; n += 4) {
-        const Packet *p = b->packets + n / WIDTH;
-        const int half = n % WIDTH / 4;
-        const Longs solids = p->solid[half], hit = solids >= 0;
-        Doubles normals[3] = {EACH(Doubles, 0.0), EACH(Doubles, 0.0), EACH(Doubles, 0.0)};
-        for (uint32_t left = bits4(&hit); left;) {
-            const int64_t solid = solids[__builtin_ctz(left)];
-            const Longs met = solids == solid;
-            Doubles found[3];
-            find_normals(m, rays, world, b, p, half, met, (int32_t)solid, found);
-            for (int k = 0; k < 3; k++) normals[k] = picked4(met, found[k], normals[k]);
-            left &= ~bits4(&met);
+// Writes the normals of four rays, of which some hit something.
+static inline void write_normals(const Model *m, const ModelRays *rays, int64_t world, const Bundle *b, const Packet *p,
+                                 int half, uint32_t hit, double *to) {
+    const Longs solids = p->solid[half];
+    const int32_t *ray = p->ray + 4 * half;
+    while (hit) {
+        const int32_t solid = (int32_t)p->solid[half][__builtin_ctz(hit)];
+        const Longs same = solids == (int64_t)solid;
+        Doubles found[3];
+        find_normals(m, rays, world, b, p, half, solid, found);
+        const uint32_t met = bits4(&same);
+        for (int k = 0; k < 4; k++) {
+            if (!(met >> k & 1)) continue;
+            double *row = to + 3 * (int64_t)ray[k];
+            for (int j = 0; j < 3; j++) row[j] = found[j][k];
         }
-        for (int k = 0; k < 4 && n + k < b->rays; k++)
-            for (int j = 0; j < 3; j++) to[3 * p->ray[4 * half + k] + j] = normals[j][k];
+        hit &= ~met;
+    }
+}
+
+static inline __attribute__((always_inline)) void write_packet(const Model *m, const ModelRays *rays, int64_t world,
+                                                               int64_t start, const Bundle *b, const Packet *p,
+                                                               int count) {
+    double *distances = rays->distances + start;
+    int32_t *geoms = rays->geoms + start;
+    for (int half = 0; half < 2; half++) {
+        const int32_t *ray = p->ray + 4 * half;
+        const Longs *solids = p->solid + half, hits = *solids >= 0;
+        const Doubles found = picked4(hits, p->distance[half] / p->length[half], EACH(Doubles, -1.0));
+        for (int k = 0; k < 4 && 4 * half + k < count; k++) {
+            const int64_t solid = ((const int64_t *)solids)[k];
+            distances[ray[k]] = found[k], geoms[ray[k]] = solid < 0 ? -1 : m->geoms[solid];
+        }
+        const uint32_t hit = rays->normals ? bits4(&hits) : 0;
+        if (hit) write_normals(m, rays, world, b, p, half, hit, rays->normals + 3 * start);
     }
 }
 
 static inline void write_hits(const Model *m, const ModelRays *rays, int64_t world, int64_t first, const Bundle *b) {
-    double *distances = rays->distances + world * rays->rays + first;
-    int32_t *geoms = rays->geoms + world * rays->rays + first;
-    for (int32_t n = 0; n < b->rays; n += 4) {
-        const Packet *p = b->packets + n / WIDTH;
-        const int half = n % WIDTH / 4;
-        const Longs solids = p->solid[half];
-        const Doubles found = picked4(solids < 0, EACH(Doubles, -1.0), p->distance[half] / p->length[half]);
-        for (int k = 0; k < 4 && n + k < b->rays; k++) {
-            const int32_t ray = p->ray[4 * half + k];
-            distances[ray] = found[k], geoms[ray] = solids[k] < 0 ? -1 : m->geoms[solids[k]];
-        }
+    const int64_t start = world * rays->rays + first;
+    const int32_t whole = b->rays / WIDTH, rest = b->rays % WIDTH;
+    for (int32_t n = 0; n < whole; n++) write_packet(m, rays, world, start, b, b->packets + n, WIDTH);
+    if (rest) write_packet(m, rays, world, start, b, b->packets + whole, rest);
+}
+
+// Passes through the memory of results in order: rays that are sorted write it in any order. There are no normals yet.
+static inline void clear_results(const ModelRays *rays, int64_t start, int32_t count) {
+    for (int32_t n = 0; n < count; n += WIDTH) {
+        __builtin_prefetch(rays->distances + start + n, 1, 2);
+        __builtin_prefetch(rays->geoms + start + n, 1, 2);
     }
-    if (rays->normals) write_normals(m, rays, world, b, rays->normals + 3 * (world * rays->rays + first));
+    if (rays->normals) memset(rays->normals + 3 * start, 0, (size_t)count * 3 * sizeof(double));
 }
 
 static void cast_bundle(const Model *m, const ModelRays *rays, int64_t world, int64_t first, const Room *room) {
     Bundle *b = room->bundle;
+    clear_results(rays, world * rays->rays + first, b->rays);
     reset_bundle(b, b->is_placed ? rays->limit : -INFINITY);
     for (int32_t n = 0; n < m->solids; n++) {
         if (m->kinds[n] != PLANE || m->bodies[n] == rays->excluded) continue;
