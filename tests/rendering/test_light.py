@@ -127,6 +127,15 @@ def test_lamps_light_what_is_near_them():
     assert light[place(ABOVE, (1, 1, 0))] > light[place(ABOVE, (-2, -2, 0))] + 20
 
 
+@pytest.mark.parametrize("reach", [0.0, 1e300])
+def test_a_lamp_of_any_reach_leaves_the_picture_to_the_others(reach):
+    odd = lamp("POINT", (0, 0, 1), 0.0, location=(3, 3, 2))
+    odd.light = replace(odd.light, distance=reach)
+    made = Studio(floor(), lamp("SPOT", (0, 0, 1), 3.0, location=(1, 1, 2)), odd)
+    light = gray(made.look(ABOVE, LENS))
+    assert light[place(ABOVE, (1, 1, 0))] > light[place(ABOVE, (-2, -2, 0))] + 20
+
+
 def picture_of(pixels):
     data = io.BytesIO()
     Picture.fromarray(pixels).save(data, "PNG")

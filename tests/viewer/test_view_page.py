@@ -11,7 +11,7 @@ from PIL import Image
 from view_pages import toasts
 from view_worlds import playground
 
-from morse.viewer.page_messages import Drag, DragEnd, Teleport
+from morse.viewer.page_messages import ChangeScript, Drag, DragEnd, Teleport
 from morse.viewer.view_messages import Log
 from tests.kit.waiting import wait_until
 
@@ -163,6 +163,34 @@ def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:
     wait_until(lambda: "came off" in page.locator(".complaint").inner_text())
     driver.server.send(driver.tree())  # as after a reset
     wait_until(lambda: mark.count() == 0)
+
+
+def test_a_message_that_the_page_shows_elsewhere_leaves_the_messages_beside_plots_closed(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    page.locator('[data-name="robot0.lidar"]').click()
+    page.get_by_role("rowheader", name="x", exact=True).last.press("Enter")
+    wait_until(lambda: page.locator(".plot").count() == 1)
+    log = page.locator(".log")
+    driver.server.send(Log("warning", "2.0 s lost", place=0, shown=True))
+    wait_until(lambda: log.locator("p.warning").count() == 1)
+    assert not log.is_visible()
+    driver.server.send(Log("warning", "wheels are loose", place=1))
+    wait_until(log.is_visible)
+
+
+def test_a_request_that_is_too_long_is_answered_and_the_page_stays(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    text = page.evaluate(
+        """() => morse.connection
+        .request({ type: 'change_script', text: '\u20ac'.repeat(90_000), version: '', write: false })
+        .then((answer) => answer.error)"""
+    )
+    assert "263 KiB of at most 256" in text
+    add = "morse.connection.request({ type: 'call_service', component: 'robot0', service: 'add', arguments: [1, 2] })"
+    assert page.evaluate(add)["value"] == 3
+    assert not events(driver, ChangeScript)
 
 
 def test_a_page_that_is_loaded_again_reads_the_log_without_news(running, open_page) -> None:

@@ -199,7 +199,7 @@ def _strongest_first(nodes: Sequence[Node], world: World, view: ViewSettings) ->
         if light.type in ("SUN", "HEMI"):
             return light.energy
         apart = math.dist(world.object_of(node).world_pose()[0], view.camera_location)
-        return light.energy / (1 + apart**2 / max(light.distance, 0.01) ** 2)
+        return light.energy / (1 + (apart / max(light.distance, 0.01)) ** 2)  # the square of a distance may overflow
 
     return sorted(nodes, key=lambda node: -given(node))
 

@@ -23,7 +23,8 @@ def typescript() -> str:
     pages, servers = protocol.page_message_types(), protocol.server_message_types()
     modules = (view_messages, description)
     parts = [struct for module in modules for struct in _plain_structs(module, ServerMessage)]
-    blocks = [_HEAD, f"export const VERSION = {protocol.VERSION};\n"]
+    constants = [f"export const {name} = {getattr(protocol, name)};\n" for name in ("VERSION", "MAX_MESSAGE")]
+    blocks = [_HEAD, "".join(constants)]
     blocks += [_interface(struct, from_page=False) for struct in parts]
     blocks += [_interface(struct, from_page=issubclass(struct, PageMessage)) for struct in pages + servers]
     blocks += [_union("PageMessage", pages), _union("ServerMessage", servers)]

@@ -1,7 +1,7 @@
 /* The connection runs in a worker: rendering never delays a key or a heartbeat. */
 import { fileAddress } from "./address";
 import type { Hello, PageMessage, SceneDescription, ServerMessage } from "../generated/protocol";
-import { VERSION } from "../generated/protocol";
+import { MAX_MESSAGE, VERSION } from "../generated/protocol";
 import { decodePayload, kindOf, POSES, sameBytes } from "./frames";
 
 export type ToWorker =
@@ -37,7 +37,18 @@ let newest: ArrayBuffer | null = null;
 let known: ArrayBuffer | null = null;
 
 function send(message: PageMessage): void {
-  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+  if (socket?.readyState !== WebSocket.OPEN) return refuse(message, "there is no connection to the simulator");
+  const text = JSON.stringify(message);
+  // the simulator would close the connection
+  const size = 3 * text.length > MAX_MESSAGE ? new TextEncoder().encode(text).length : 0;
+  if (size > MAX_MESSAGE) return refuse(message, `this is too long to be sent: ${size >> 10} KiB of at most ${MAX_MESSAGE >> 10}`);
+  socket.send(text);
+}
+
+/** Answer a request that cannot be sent: whoever waits for its answer goes on. */
+function refuse(message: PageMessage, error: string): void {
+  if (!("request" in message) || message.type === "cancel_service") return;
+  scope.postMessage({ kind: "message", message: { type: "answer", request: message.request, ok: false, value: null, error } });
 }
 
 function showNewest(): void {

@@ -65,7 +65,8 @@ export class LogPanel {
     const below = this.element.scrollHeight - this.element.scrollTop - this.element.clientHeight < 20;
     const select = (): void => this.components.selected.set(component);
     const about = component !== "" && h("button", { type: "button", class: "about", title: `select ${component}`, onclick: select }, component);
-    this.element.append(h("p", { class: level }, h("time", { title: "simulated time, s" }, isDate(time) ? formatTime(time) : time.toFixed(2)), about, h("span", {}, text)));
+    // what the page shows elsewhere does not open the messages
+    this.element.append(h("p", { class: shown ? `${level} known` : level }, h("time", { title: "simulated time, s" }, isDate(time) ? formatTime(time) : time.toFixed(2)), about, h("span", {}, text)));
     while (this.element.childElementCount > MOST) this.element.firstElementChild?.remove();
     if (below) this.element.scrollTop = this.element.scrollHeight;
     if (level !== "error" && level !== "warning") return;

@@ -8,7 +8,7 @@ motion = MotionVW()
 robot.append(motion)
 
 camera = VideoCamera()
-camera.translate(x=0.5, z=0.9)
+camera.translate(x=0.22, z=0.8)  # on the mast
 camera.properties(cam_width=64, cam_height=48, cam_focal=25.0)
 camera.frequency(10)
 robot.append(camera)

@@ -15,17 +15,18 @@ def slab(name, x, y, size, height, color, depth=0.2):
     box.static()
 
 
-slab("grass", 0, 0, (240, 240), -0.02, GRASS, 1.0)
-slab("street west-east", 0, 0, (240, 7), 0.0, ASPHALT)
-slab("street south-north", 0, 0, (7, 240), 0.002, ASPHALT)
+# all lies on the ground of the world, whose upper side is at 0
+slab("grass", 0, 0, (240, 240), 0.01, GRASS, 1.0)
+slab("street west-east", 0, 0, (240, 7), 0.03, ASPHALT)
+slab("street south-north", 0, 0, (7, 240), 0.032, ASPHALT)
 for x in (-1, 1):
     for y in (-1, 1):
-        slab(f"corner {x} {y}", x * 8.5, y * 8.5, (10, 10), 0.003, PAVING)
-        slab(f"path {x} {y}", x * 61.5, y * 5.0, (96, 3), 0.004, PAVING)
+        slab(f"corner {x} {y}", x * 8.5, y * 8.5, (10, 10), 0.033, PAVING)
+        slab(f"path {x} {y}", x * 61.5, y * 5.0, (96, 3), 0.034, PAVING)
         if (x, y) != (1, -1):  # the side from which the camera looks
             slab(f"house {x} {y}", x * 22, y * 20, (16, 14), 9.0, HOUSES[x + 1 + (y + 1) // 2], 9.0)
 for stripe in range(6):
-    slab(f"stripe {stripe}", 6.5, -2.75 + 1.1 * stripe, (3, 0.55), 0.006, LINE)
+    slab(f"stripe {stripe}", 6.5, -2.75 + 1.1 * stripe, (3, 0.55), 0.036, LINE)
 
 times = {"west_east": 0.0, "south_north": 15.0}
 phases = [("green", 11), ("yellow", 2), ("red", 16), ("red-yellow", 1)]
@@ -68,5 +69,5 @@ cars.add_service("socket")
 
 env = Environment("empty")
 env.sun("2026-09-22T16:00:00+02:00", latitude=43.6, longitude=1.44)
-env.set_camera_location([24.0, -26.0, 15.0])
-env.set_camera_rotation([1.1, 0.0, 0.72])
+env.set_camera_location([15.0, -16.0, 6.5])
+env.set_camera_rotation([1.24, 0.0, 0.6])

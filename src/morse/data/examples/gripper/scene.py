@@ -24,6 +24,6 @@ box.setgraspable()
 box.translate(2.0, 0.0, 0.05)
 
 env = Environment("indoors-1/indoor-1")
-env.set_camera_location([2.0, -4.5, 2.2])
-env.set_camera_rotation([1.2, 0.0, 0.0])
+env.set_camera_location([3.8, -2.6, 1.5])
+env.set_camera_rotation([1.29, 0.0, 0.65])
 env.show(plots=["robot.pose.x"], overlays=["trails"])
