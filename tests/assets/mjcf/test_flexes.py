@@ -283,6 +283,7 @@ def test_cloths_of_mesh_files_have_the_vertices_in_their_order(tmp_path: Path, f
     ("part", "words"),
     [
         (CLOTH.replace("7 7 1", "2000 2000 1"), "more than 10000 vertices"),
+        (CLOTH.replace("7 7 1", "80 80 1"), "more than 5000 moving vertices"),
         (CLOTH.replace("7 7 1", "1e300 1e300 1"), "realistic"),
         (CLOTH.replace("7 7 1", "-5 7 1"), "the engine refuses it"),
         (f'<replicate count="500">{CLOTH}</replicate>', "more than 10000 vertices"),

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: largest number of vertices of all deformable bodies of a model, and largest file of one, bytes
 MOST_VERTICES, MOST_BYTES = 10_000, 8 << 20
+#: vertices that are bodies of their own: the time in which the engine compiles them grows faster than their square
+MOST_MOVING = 5_000
 #: kinds of deformable bodies that are files, and the suffixes of these
 FILES = {"mesh": (".stl", ".obj"), "gmsh": (".msh",)}
 #: dimension to the type of the elements of Gmsh
@@ -38,6 +40,12 @@ def vertices_of(flex: Element) -> int:
         numbers = [number for text in flex.get(word, "").split() if (number := _number(text)) >= 1.0]
         counted = max(counted, math.prod(min(number, 1e6) for number in numbers))
     return int(max(listed, counted, len(flex.get("body", "").split())))
+
+
+def moving_of(flex: Element) -> int:
+    """Return how many of these vertices are bodies of their own; those of a cage or a rigid body are not."""
+    fixed = flex.get("rigid") == "true" or flex.get("dof") in ("trilinear", "quadratic")
+    return 0 if fixed or flex.tag != "flexcomp" else vertices_of(flex)
 
 
 def _number(text: str) -> float:

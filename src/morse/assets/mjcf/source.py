@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
-from morse.assets.mjcf.flexes import FILES, MOST_VERTICES, put_in, vertices_of
+from morse.assets.mjcf.flexes import FILES, MOST_MOVING, MOST_VERTICES, moving_of, put_in, vertices_of
 from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
 from morse.assets.mjcf.old_files import modernize
 from morse.assets.mjcf.skins import MOST_NUMBERS, read_skin
@@ -301,7 +301,7 @@ class Source:
 
     def _take_flexes(self, root: ElementTree.Element) -> list[ElementTree.Element]:
         """Read the files of deformable bodies, and return those that cannot be read or are too large."""
-        lost, vertices = [], 0
+        lost, vertices, moving = [], 0, 0
         for element, copies in _flexes(root, 1):
             file = element.attrib.pop("file", None)
             name = element.get("name") or file or ""
@@ -313,7 +313,10 @@ class Source:
                 own = copies * vertices_of(element)
                 if vertices + own > MOST_VERTICES:
                     raise ValueError(f"all deformable bodies together have more than {MOST_VERTICES} vertices")
-                vertices += own
+                alone = copies * moving_of(element)
+                if moving + alone > MOST_MOVING:
+                    raise ValueError(f"all deformable bodies together have more than {MOST_MOVING} moving vertices")
+                vertices, moving = vertices + own, moving + alone
             except (ValueError, OSError) as error:
                 self.warnings.append(f"the deformable body '{name:.200}' is left out: {error}")
                 lost.append(element)

@@ -14,6 +14,6 @@ robot.append(pose)
 robot.add_default_interface("socket")
 
 env = Environment("sandbox")
-env.set_camera_location([6.0, -8.0, 6.0])
-env.set_camera_rotation([1.0, 0.0, 0.6])
+env.set_camera_location([3.6, -4.6, 3.2])
+env.set_camera_rotation([1.08, 0.0, 0.55])
 env.show(plots=["robot.pose.x"], overlays=["trails"], follow=robot)
