@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -85,7 +86,43 @@ def test_the_hint_of_a_lift_is_of_what_it_lacks(tmp_path, program, hint):
 
 def test_a_way_through_boxes_is_not_told_to_be_long(tmp_path):
     points = findings("planning", tmp_path, lesson("planning").module.START)
-    assert [f.hint for f in points if "longer than" in f.what] == ["This counts when it keeps off them."] * 3
+    assert [f.hint for f in points if "longer than" in f.what] == ["This counts when it keeps this distance."] * 3
+
+
+#: lesson, a wrong program, and a pattern of the points that it must not get
+WRONG = [
+    (
+        "mapping",
+        "def add(*_):\n    pass\ndef cells():\n    return {(c, r) for c in range(-12, 12) for r in range(-12, 12)}",
+        "finds",
+    ),
+    ("planning", "def plan(boxes, start, goal):\n    return None", ""),
+    ("tuning", "def learn(cost):\n    cost(1)\n    return 11", "The gain|worse"),
+    ("line", "def step(image):\n    return 1.0, 1.0", ""),
+]
+
+
+@pytest.mark.parametrize(("name", "text", "what"), WRONG, ids=[name for name, _, _ in WRONG])
+def test_a_wrong_program_gets_no_points_of_a_fixed_number(tmp_path, name, text, what):
+    points = findings(name, tmp_path, text)
+    assert len(points) == len(findings(name, tmp_path, lesson(name).module.START))
+    assert not [f.what for f in points if f.is_right and re.search(what, f.what) and "something" not in f.what]
+
+
+@pytest.mark.parametrize("way", ["[start] * 5000 + [goal]", "[(float('nan'), 0)] * 2", "'way'", "[start]"])
+def test_what_is_no_path_is_shown(tmp_path, way):
+    (point,) = findings("planning", tmp_path, f"def plan(boxes, start, goal):\n    return {way}\n")
+    assert re.search(r"plan\(\) returned .*, expected a list of 2 to 1000 points", point.hint)
+
+
+def test_a_robot_that_leaves_the_line_is_told_so(tmp_path):
+    points = findings("line", tmp_path, "def step(image):\n    return 1.0, 0.0\n")
+    assert points[0].hint.startswith("It has lost the line at (")
+
+
+def test_the_program_under_test_does_not_tell_its_name(tmp_path):
+    text = "def is_right(program, drive):\n    drive(program, 5.0)\n    return 'right' in program.__name__\n"
+    assert not all(f.is_right for f in findings("testing", tmp_path, text))
 
 
 def test_what_is_no_truth_value_is_named(tmp_path):

@@ -8,12 +8,14 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 from websockets.sync.client import connect
 
 from morse.cli.app import execute
+from morse.plugins.lessons.attempt import Attempt
 from morse.plugins.lessons.catalog import lesson
 from morse.plugins.lessons.course import ORDER
 from morse.plugins.lessons.examining import examine
@@ -83,6 +85,39 @@ def test_the_page_shows_the_task_and_what_is_missing_and_checks_again_what_is_sa
         process.wait()
 
 
+@pytest.fixture
+def shown(tmp_path):
+    attempt = Attempt(lesson("odometry"), tmp_path, is_shown=True)
+    yield attempt
+    attempt.close()
+
+
+def test_the_robot_stands_when_the_check_has_ended(shown, tmp_path):
+    # the last command of the check would drive it on
+    (tmp_path / "controller.py").write_text("def update(way, turn):\n    return (0, 0, 0) if way < 0.05 else None\n")
+    shown.run(lambda: None)
+    assert "returned None" in shown.findings[0].hint
+    robot = shown.simulation.robot
+    before = robot.pose.data["x"]
+    assert before > 0.01
+    threading.Timer(1.0, lambda: (tmp_path / "controller.py").write_text("x = 1\n")).start()
+    assert shown.wait_for_change()
+    assert robot.pose.data["x"] == before
+
+
+def test_a_program_that_is_saved_during_the_check_is_checked_at_once(shown, tmp_path):
+    save = "    pathlib.Path(__file__).write_text('x = 1')\n"
+    (tmp_path / "controller.py").write_text(f"import pathlib\ndef update(way, turn):\n{save}    return 0, 0, 0\n")
+    shown.run(lambda: None)
+    assert shown.simulation.clock.time < 1.0
+    assert shown.findings == []
+    assert shown.wait_for_change()
+    shown.again(lambda: None)
+    assert [point.hint for point in shown.findings] == [
+        "controller.py has no function update(): it may have been renamed"
+    ]
+
+
 def test_the_program_of_a_student_is_not_overwritten(here, capsys):
     assert execute(["lesson", "start", "line"]) == 0
     (here / "line" / "controller.py").write_text("mine = 1\n")
@@ -117,7 +152,8 @@ def test_wrong_words_get_the_right_ones(here, capsys, words, said):
         ("def step():\n    return 0, 0\n", "step() takes 0 positional arguments"),
         ("def step(image):\n    return image.no_such\n", 'controller.py", line 2'),
         ("def step(image):\n    return None\n", "step() returned None, expected 2 numbers"),
-        ("def step(image):\n    return float('nan'), 0\n", "expected 2 numbers"),
+        ("def step(image):\n    return float('nan'), 0\n", "expected 2 numbers, not infinite and not NaN"),
+        ("def step(image):\n    bytearray(6 * 10**9)\n", "MemoryError"),
         ("def step(image):\n    return 1, 2, 3\n", "expected 2 numbers"),
         ("def step(image):\n    while True:\n        yield 1\n", "yields more than 100,000 items"),
         (

@@ -15,8 +15,8 @@ export class TaskPanel {
       const passed = is_checked && points.length > 0 && right === points.length ? " · passed" : "";
       this.element.replaceChildren(
         h("summary", {}, h("b", {}, title), state + passed),
+        h("ul", { class: "points", "aria-label": "what has been checked", hidden: points.length === 0 }, ...points.map(item)),
         h("div", { class: "text" }, ...paragraphs(text)),
-        h("ul", { class: "points", "aria-label": "what has been checked" }, ...points.map(item)),
       );
       if (first) this.element.open = innerWidth >= 600; // on a phone it would cover the world
       if (is_checked && points.some((point) => !point.is_right)) this.element.open = true;

@@ -38,7 +38,7 @@ _LONGEST_WAIT = 60.0
 LONGEST_CHECK = 300.0
 #: items of what a student's function yields; more may be endless
 _MOST_ITEMS = 100_000
-#: simulated seconds between two looks at the program, while its result is shown
+#: seconds between two looks at the file of the program, while its result is shown
 _LOOK = 0.25
 
 
@@ -63,6 +63,10 @@ class Finding:
     def as_data(self) -> dict[str, object]:
         """Plain data for JSON."""
         return asdict(self)
+
+
+class _ProgramSavedError(Exception):
+    """The program was saved while it was checked in the page: the check begins again."""
 
 
 class WrongProgramError(Exception):
@@ -92,6 +96,8 @@ class Attempt:
         self._port = 0
         self._simulation: Simulation | None = None
         self._student: ModuleType | None = None
+        #: of the file of the program: of this check at first, then when it was imported
+        self._stamp = _stamp(folder / PROGRAM)
         self._watch: _Watch | None = None
 
     # -- for checks ------------------------------------------------------------------------
@@ -138,6 +144,8 @@ class Attempt:
     def step(self, seconds: float) -> None:
         """Let simulated time pass, in real time if the lesson is shown; then all sensors measure."""
         if self._is_shown:
+            if self.is_outdated:
+                raise _ProgramSavedError
             self.simulation.run(seconds)
         else:
             self.simulation.sleep(seconds)
@@ -195,33 +203,49 @@ class Attempt:
         self._watch = _Watch(self, on_endless, math.inf if self._is_shown else LONGEST_CHECK)
         try:
             self._lesson.module.check(self)
+        except _ProgramSavedError:
+            return
         except WrongProgramError as error:
             self.expect(False, PROGRAM_RUNS, str(error))
         except Exception as error:  # the lesson may be one of a teacher
             self.expect(False, CHECK_RUNS, f"the lesson itself has failed: {describe(error)}")
         finally:
             self._watch.close()
-            self.tell(is_checked=True)
             if not self._is_shown:
                 self.close()
+            elif not self.is_outdated:
+                self.tell(is_checked=True)
+                # the robot would go on with its last command, and leave the view
+                self.simulation.pause()
 
     def again(self, on_endless: Callable[[], None]) -> None:
         """Check once more, with the program as it is now."""
         self.findings.clear()
+        self._stamp = _stamp(self._folder / PROGRAM)
         self.load(self.scene)
         self.run(on_endless)
 
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the program has been saved since it was imported."""
+        return _stamp(self._folder / PROGRAM) not in (self._stamp, None)
+
     def wait_for_change(self) -> bool:
-        """Let the simulation run until the program is saved; returns False if a page ends the simulation before."""
-        file = self._folder / PROGRAM
-        before = _stamp(file)
-        while _stamp(file) in (before, None):
-            clock = self.simulation.clock
-            end = clock.tick + round(_LOOK * clock.frequency)
-            self.simulation.run(_LOOK)
-            if clock.tick < end:
-                return False
-        return True
+        """Show the simulation until the program is saved; returns False if a page ends the simulation before."""
+        simulation, ended = self.simulation, threading.Event()
+
+        def look() -> None:
+            while not self.is_outdated:
+                if ended.wait(_LOOK):
+                    return
+            simulation.stop()
+
+        threading.Thread(target=look, daemon=True, name="changes of a program").start()
+        try:
+            simulation.run()
+        finally:
+            ended.set()
+        return self.is_outdated
 
     def close(self) -> None:
         """End the simulation."""
@@ -232,6 +256,7 @@ class Attempt:
     def _program(self) -> ModuleType:
         if self._student is None:
             file = self._folder / PROGRAM
+            self._stamp = _stamp(file)
             if not file.is_file():
                 raise WrongProgramError(f"there is no file {file}")
             spec = importlib.util.spec_from_file_location("controller", file)
@@ -250,7 +275,7 @@ class Attempt:
             watch.begin(what)
         try:
             return function()
-        except (KeyboardInterrupt, WrongProgramError):
+        except (KeyboardInterrupt, WrongProgramError, _ProgramSavedError):
             raise
         except BaseException as error:  # the program of a student may raise anything
             raise WrongProgramError(describe(error)) from None
@@ -289,7 +314,8 @@ def _numbers(name: str, result: object, count: int, expected: str) -> tuple[floa
     except Exception:  # a student may return anything
         values = ()
     if len(values) != count or not all(map(math.isfinite, values)):
-        raise WrongProgramError(f"{name}() returned {reprlib.repr(given)}, expected {expected}") from None
+        finite = ", not infinite and not NaN" if len(values) == count else ""
+        raise WrongProgramError(f"{name}() returned {reprlib.repr(given)}, expected {expected}{finite}") from None
     return values
 
 

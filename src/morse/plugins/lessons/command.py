@@ -97,13 +97,18 @@ def _print(result: Result) -> None:
 
 def _show(chosen: Lesson, place: Path, record: Path | None) -> int:
     attempt = Attempt(chosen, place.absolute(), is_shown=True, record=record)
+    status, run = 1, attempt.run
     try:
-        attempt.run(lambda: _print(Result(tuple(attempt.findings))))
-        status = _report(Result(tuple(attempt.findings)))
-        echo(f"* Save {place / PROGRAM}, and it is checked again. Ctrl+C ends the view.")
-        while attempt.wait_for_change():
-            attempt.again(lambda: _print(Result(tuple(attempt.findings))))
-            status = _report(Result(tuple(attempt.findings)))
+        while True:
+            run(lambda: _print(Result(tuple(attempt.findings))))
+            if attempt.is_outdated:
+                echo(f"* {place / PROGRAM} has been saved: the check begins again.")
+            else:
+                status = _report(Result(tuple(attempt.findings)))
+                echo(f"* Save {place / PROGRAM}, and it is checked again. Ctrl+C ends the view.")
+            if not attempt.wait_for_change():
+                break
+            run = attempt.again
     except KeyboardInterrupt:
         return 130
     finally:

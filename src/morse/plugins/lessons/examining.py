@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 #: wall-clock seconds of a whole check, for programs that wait; those that compute have less, `LONGEST_CHECK`
 _LONGEST = 1800.0
+#: memory that a check may take, bytes: one that takes all would end other programs, too
+_MOST_MEMORY = 4 * 2**30
 #: largest file of findings, bytes
 _LARGEST = 2**20
 
@@ -100,11 +102,15 @@ def _read(file: Path) -> tuple[Finding, ...]:
         return ()
 
 
-def _limit_computing() -> None:
-    """End this process some time after `LONGEST_CHECK`, also within one long operation of the interpreter."""
+def _limit() -> None:
+    """Limit the memory of this process, and end it some time after `LONGEST_CHECK`, also within one long operation."""
     if sys.platform != "win32":
         import resource
 
+        _soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+        most = _MOST_MEMORY if hard < 0 else min(_MOST_MEMORY, hard)
+        with contextlib.suppress(OSError, ValueError):  # macOS may refuse it
+            resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
         longest = int(LONGEST_CHECK) + 30
         _soft, hard = resource.getrlimit(resource.RLIMIT_CPU)
         resource.setrlimit(resource.RLIMIT_CPU, (longest if hard < 0 else min(longest, hard), hard))
@@ -129,7 +135,7 @@ def main(words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    _limit_computing()
+    _limit()
     _status = main(sys.argv[1:])
     with contextlib.suppress(Exception):  # a program may replace them
         sys.stdout.flush()

@@ -1,12 +1,14 @@
 """Dock at a marker.
 
-A charging station has an orange post in front of it, 0.3 m wide. Drive there, and stop 1 m in front of the post,
-looking at it; the camera of 64 by 48 pixels sees 65 degrees. The robot starts at different places, and sometimes looks
-away.
+An orange post, 0.3 m wide, stands in front of a charging station. Write `step`, which gets a picture ten times per
+second, so that the robot drives to the post, and stops with its camera 1 m in front of it and directed at it. The
+camera has 64 by 48 pixels and sees 65 degrees. The robot starts at three places; at one of them, it looks away from
+the post.
 
-* Where is the post in the picture? Turn until it is in the middle.
-* How wide is it, in pixels? A post of 0.3 m at a distance d is 50 * 0.3 / d pixels wide.
-* Without a post in the picture: turn, slowly enough to see it pass.
+* Orange has much red, some green and almost no blue. In which columns is the post? Turn until it is in the middle.
+* How many columns does it fill? At a distance d, a post of 0.3 m is 50 * 0.3 / d pixels wide.
+* If there is no post in the picture, turn until there is one.
+* Return (0, 0) for a second, and the robot has arrived.
 """
 
 from __future__ import annotations
@@ -90,7 +92,7 @@ def check(attempt: Attempt) -> None:
         attempt.expect(
             drives and not contacts.touched,
             f"The robot drives and touches nothing, {start}.",
-            "It drives into the post or the station." if contacts.touched else f"It stays at {at(*place)} m.",
+            "It has driven into the post or the station." if contacts.touched else f"It stays at {at(*place)} m.",
         )
         attempt.expect(
             drives and still >= 10,

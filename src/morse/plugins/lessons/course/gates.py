@@ -1,11 +1,13 @@
 """Fly a quadrotor through gates.
 
-Four gates stand in a field, at different heights. Write `step`, which returns a velocity, so that the quadrotor flies
-through the middle of all of them in order, within 60 s, without touching one.
+Four gates stand in a field, at different heights. Write `step`, which is called twenty times per second and returns a
+velocity, so that the quadrotor flies through all gates, in order, within 60 s, and touches nothing. A gate is 1.6 m
+wide and high.
 
-* Aim at a point 1 m before the gate first, on its axis, and then through the gate to a point behind it.
-* A velocity in proportion to the way that is left slows down in time.
-* Remember which gate is the next.
+* Fly to a point 1 m before the gate first, on its axis, and then through the gate to a point behind it.
+* The quadrotor follows a new velocity with a delay of about a second: at 2 m/s it flies 1 m too far. A velocity that
+  is proportional to the remaining distance brakes in time.
+* Remember which gate comes next.
 """
 
 from __future__ import annotations
@@ -96,7 +98,7 @@ def check(attempt: Attempt) -> None:
     attempt.expect(
         flown and not contacts.touched,
         "The quadrotor touches nothing.",
-        f"It touches something at {place} m." if contacts.touched else "This counts when it has flown through a gate.",
+        f"It touches something at {place} m." if contacts.touched else "This counts when it has flown through gate 1.",
     )
     for k in range(len(_GATES)):
         attempt.expect(
@@ -106,6 +108,6 @@ def check(attempt: Attempt) -> None:
         )
     attempt.expect(
         flown == len(_GATES),
-        "It needs at most 60 s.",
+        "It has flown through all gates within 60 s.",
         f"It is at {place} m after {steps / 20:.0f} s, behind {flown} of {len(_GATES)} gates.",
     )

@@ -1,11 +1,14 @@
 """Follow a line.
 
-A camera under the nose of the robot looks down at a dark line on a light floor. Write `step`, which gets the picture
-ten times per second, so that the robot follows the line once around, in at most 90 s.
+A camera at the front of the robot looks down at a dark line on a light floor. Write `step`, which gets the picture
+ten times per second, so that the robot follows the line once around the course, counterclockwise, in at most 90 s. It
+starts on the line and looks along it.
 
-* Look at one row of the picture. In which columns is it dark? Their middle is where the line is.
-* If the line is in the left half, turn left: `w` is positive. How much, for how far off the middle?
-* Drive slower in bends than on straight parts.
+* Look at one row of the picture. In which columns is it dark? Their mean is where the line is. Red, green and blue of
+  the line are below 80, those of the floor above 140.
+* If the line is in the left half, turn left: `w` is positive. The farther it is from the middle, the more the robot
+  has to turn.
+* Drive more slowly in bends than on straight parts.
 """
 
 from __future__ import annotations
@@ -37,6 +40,8 @@ def step(image):
 _HALF, _RADIUS = 3.0, 2.0
 #: largest mean distance to the line, m, and simulated seconds
 _NEAR, _SECONDS = 0.25, 90.0
+#: distance to the line at which the check ends, m
+_LOST = 1.5
 
 
 def scene() -> None:
@@ -87,28 +92,30 @@ def distance(x: float, y: float) -> float:
 def check(attempt: Attempt) -> None:
     robot = attempt.simulation.robot
     marks = [(5.0, 0.0), (0.0, 2.0), (-5.0, 0.0), (0.0, -2.0)]
-    missing, off, steps = list(marks), 0.0, 0
+    missing, off, steps, is_lost = list(marks), 0.0, 0, False
     while missing and steps < _SECONDS * 10:
         v, w = attempt.numbers(2, "step", robot.camera.data["image"])
         robot.motion.publish({"v": max(-1.0, min(1.0, v)), "w": max(-1.5, min(1.5, w))})
         attempt.step(0.1)
         place = robot.pose.data["x"], robot.pose.data["y"]
         off, steps = off + distance(*place), steps + 1
-        if distance(*place) > 1.5:
+        is_lost = distance(*place) > _LOST
+        if is_lost:
             break
         if math.dist(place, missing[0]) < 0.8:
             missing.pop(0)
-    end = at(robot.pose.data["x"], robot.pose.data["y"])
-    attempt.expect(len(missing) < len(marks), "The robot reaches the first bend.", f"It is at {end} m at the end.")
+    place = at(robot.pose.data["x"], robot.pose.data["y"])
+    end = f"It has lost the line at {place} m." if is_lost else f"After {steps / 10:.0f} s it is at {place} m."
+    attempt.expect(len(missing) < len(marks), "The robot comes to the middle of the first bend, at (5, 0) m.", end)
     attempt.expect(
         not missing,
         "It comes around within 90 s.",
-        f"It passes {len(marks) - len(missing)} of 4 marks; it ends at {end} m.",
+        f"It has driven {len(marks) - len(missing)} of the 4 quarters. {end}",
     )
     attempt.expect(
         not missing and off / steps < _NEAR,
-        "It stays near the line, 0.25 m in the mean.",
-        f"{off / steps:.2f} m in the mean: look farther ahead, or turn more for the same error."
+        "Its mean distance to the line is below 0.25 m.",
+        f"It is {off / steps:.2f} m: look farther ahead, or turn more for the same error."
         if not missing
         else "This is measured when it has come around.",
     )

@@ -1,12 +1,14 @@
 """Odometry, and how it drifts.
 
-Ten times per second the robot tells how far its wheels have driven, and how far it has turned since the last time.
-Write `update`, which adds them up to a pose. Then the same robot gets a gyroscope that is 0.01 rad/s wrong: say before
-how far off the pose will be after a straight drive.
+Ten times per second, the robot reports how far its wheels have driven and how far it has turned since the last
+report. Write `update`, which adds these steps up to a pose. Then predict the error: if the gyroscope is wrong by a
+constant turn rate, how far off is the pose after a straight drive? Write `drift`, which returns this distance.
 
-* The robot drives along its own x axis: x grows by the cosine of the yaw times the way.
-* While it drives a bend, take the yaw in the middle of the step, and the sum of a whole circle closes.
-* An error of the yaw that grows with the time t, b t, moves a robot sideways that drives with v: by v b t² / 2.
+* The robot drives along its own x axis: in a step, x grows by the distance times the cosine of the yaw, and y by the
+  distance times the sine.
+* In a bend, the yaw changes during the step. Use the yaw in the middle of the step.
+* With a turn rate that is wrong by b, the yaw is wrong by b t after the time t. A robot that drives at the speed v
+  then moves sideways at v b t: add this up over the time.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ def update(way, turn):
     """Add a step, and return the pose (x, y, yaw): m and rad, yaw from -pi to pi.
 
     Args:
-        way: how far the robot has driven since the last step, m.
+        way: the distance that the robot has driven since the last step, m.
         turn: how far it has turned to the left, rad.
     """
     return pose[0], pose[1], pose[2]
@@ -80,12 +82,12 @@ def check(attempt: Attempt) -> None:
     )
     attempt.expect(
         worst < 0.5,
-        "The place is right within 0.5 m.",
-        f"It is up to {worst:.2f} m off: cosine for x, sine for y, of the yaw.",
+        "The position is right within 0.5 m.",
+        f"It is up to {worst:.2f} m off: use the cosine of the yaw for x, and the sine for y.",
     )
     attempt.expect(
         worst < 0.02,
-        "It is right within 2 cm, after 40 m.",
+        "The position is right within 2 cm during the whole drive of 40 m.",
         f"It is up to {100 * worst:.1f} cm off: use the yaw in the middle of the step.",
     )
     for bias, speed, seconds in ((0.01, 1.0, 10.0), (0.02, 0.5, 30.0)):
@@ -94,5 +96,5 @@ def check(attempt: Attempt) -> None:
         attempt.expect(
             abs(abs(off) - expected) < 0.1 * expected,
             f"The drift of {bias:g} rad/s at {speed:g} m/s after {seconds:g} s is right within 10 %.",
-            f"drift() says {off:.3g} m: the yaw is off by b t, and sideways the robot drives v times that.",
+            f"drift() returns {off:.3g} m: the yaw is off by b t, so the robot moves sideways at v b t.",
         )

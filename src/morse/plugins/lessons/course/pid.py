@@ -1,12 +1,14 @@
 """Control a height: P, PD, PID.
 
-A lift of 2 kg hangs in the air. Write `step`, which returns the force of its motor, so that it rises from 0.5 m to
-2 m: within 5 s it stays within 2 cm, and it never rises higher than 2.2 m. Gravity pulls it down with 19.6 N, but your
-program does not know this number: the load changes, and in the second trial it is heavier.
+A lift hangs in the air, 0.5 m high. Write `step`, which returns the force of its motor, so that the lift rises to 2
+m: after 5 s it has to stay within 2 cm of this height, and it must never rise above 2.2 m. The lift has a mass of 2
+kg, so gravity pulls it down with 19.6 N. In a second trial it is heavier, and your program does not know by how much.
 
-* P: a force in proportion to the error. It swings, and hangs too low. Why?
-* D: less force for a higher speed. It swings less, and still hangs too low.
-* I: the sum of the errors over time grows until the error is gone.
+* P: a force proportional to the error, the distance to the target. The lift swings, and its mean height is too low.
+  Why?
+* D: less force the faster it rises. It swings less, and still hangs too low.
+* I: add up error times seconds. This sum grows until the error is gone; a force proportional to it carries the
+  weight.
 """
 
 from __future__ import annotations
@@ -69,7 +71,7 @@ def scene() -> None:
 
 
 def _heights(attempt, load):
-    """The heights of ten seconds, 50 a second."""
+    """The heights of ten seconds, 60 a second, m."""
     lift = attempt.load(attempt.scene).lift
     heights: list[float] = []
     for _ in range(600):

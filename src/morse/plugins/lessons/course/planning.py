@@ -1,12 +1,14 @@
-"""Plan a way around boxes.
+"""Plan a path around boxes.
 
-The map of a yard is known: rectangles that are in the way. Write `plan`, which returns the points of a way for a round
-robot of 0.5 m radius, and which is at most a quarter longer than the shortest one. The robot then drives it.
+The map of a yard is known: rectangles stand in it. Write `plan`, which returns a path around them for a round robot
+of 0.5 m radius, at most a quarter longer than the shortest one. Then a robot drives the first path.
 
-* Make a grid, and mark the cells that are too near to a rectangle: grow each by the radius of the robot.
-* A search in the order of the way so far (Dijkstra), or of the way so far and the distance to the goal (A*), finds the
-  shortest way on the grid. `heapq` is a queue with the smallest first.
-* Diagonal steps are 1.41 times as long.
+* Make a grid, and mark the cells that are nearer to a rectangle, or to the border of the yard, than the radius of the
+  robot.
+* Dijkstra's algorithm visits the cells in the order of their path length from the start; A* adds the distance to the
+  goal. Both find the shortest path on the grid. `heapq` is a queue that returns the smallest item first.
+* Diagonal steps are 1.41 times as long as straight ones.
+* Remember from which cell each cell was reached, and go back from the goal to get the path.
 """
 
 from __future__ import annotations
@@ -14,24 +16,25 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
+import reprlib
 from typing import TYPE_CHECKING
 
-from morse.plugins.lessons.attempt import at
+from morse.plugins.lessons.attempt import WrongProgramError, at
 
 if TYPE_CHECKING:
     from morse.plugins.lessons.attempt import Attempt
 
 START = '''
-"""Plan a way around boxes."""
+"""Plan a path around boxes."""
 
 
 def plan(boxes, start, goal):
-    """Return the points of a way from start to goal, as a list of (x, y), m; None if there is none.
+    """Return the points of a path from start to goal, as a list of (x, y), m; None if there is none.
 
     Args:
-        boxes: rectangles (x_min, y_min, x_max, y_max), m. The yard itself is from (0, 0) to (16, 12).
+        boxes: rectangles (x_min, y_min, x_max, y_max), m. The yard extends from (0, 0) to (16, 12).
         start: x, y of the robot, whose radius is 0.5 m.
-        goal: x, y where it shall go.
+        goal: x, y of the place to which it drives.
     """
     return [start, goal]
 '''
@@ -40,6 +43,7 @@ _SIZE, _RADIUS = (16.0, 12.0), 0.5
 _BOXES = [(3.0, 0.0, 4.0, 8.0), (7.0, 4.0, 8.0, 12.0), (11.0, 0.0, 12.0, 7.0), (11.0, 8.6, 12.0, 12.0)]
 _WAYS = [((1.0, 1.0), (14.5, 1.5)), ((1.5, 10.5), (9.5, 10.5)), ((5.5, 1.0), (14.0, 10.5))]
 _CLOSED = [(6.0, 0.0, 7.0, 12.0)]
+_MOST_POINTS = 1000
 
 
 def scene() -> None:
@@ -92,14 +96,22 @@ def _shortest(boxes, start, goal, size=0.25):
 
 
 def _way(attempt, boxes, start, goal):
+    """The path of the student, or None.
+
+    Raises:
+        WrongProgramError: it is neither a list of points nor None.
+    """
     points = attempt.call("plan", list(boxes), start, goal)
     if points is None:
         return None
     try:
         way = [(float(x), float(y)) for x, y in points]
-    except Exception:
-        return None
-    return way if len(way) >= 2 and all(math.isfinite(part) for point in way for part in point) else None
+    except Exception:  # a student may return anything
+        way = []
+    if not 2 <= len(way) <= _MOST_POINTS or not all(math.isfinite(part) for point in way for part in point):
+        expected = f"a list of 2 to {_MOST_POINTS} points (x, y), or None"
+        raise WrongProgramError(f"plan() returned {reprlib.repr(points)}, expected {expected}")
+    return way
 
 
 def check(attempt: Attempt) -> None:
@@ -109,44 +121,45 @@ def check(attempt: Attempt) -> None:
         ends = way and math.dist(way[0], start) < 0.3 and math.dist(way[-1], goal) < 0.3
         attempt.expect(
             ends,
-            f"There is a way {name}.",
-            f"It goes from {at(*way[0])} to {at(*way[-1])}."
-            if way
-            else "plan() returned no list of two or more points (x, y).",
+            f"There is a path {name}.",
+            f"It goes from {at(*way[0])} to {at(*way[-1])}." if way else "plan() returned None.",
         )
-        if not way:
-            continue
+        way = way or [start]
         length = sum(math.dist(a, b) for a, b in itertools.pairwise(way))
         count = max(2, min(10000, int(length / 0.05)))
         points = [
             (a[0] + (b[0] - a[0]) * k / count, a[1] + (b[1] - a[1]) * k / count)
-            for a, b in itertools.pairwise(way[:1000])
+            for a, b in itertools.pairwise(way)
             for k in range(max(2, min(count, int(math.dist(a, b) / 0.05) + 2)))
         ]
         hit = next((point for point in points if not _is_free(_BOXES, *point, _RADIUS - 0.1)), None)
         clear = attempt.expect(
-            hit is None,
-            f"It keeps off the boxes {name}.",
-            "" if hit is None else f"At ({hit[0]:.1f}, {hit[1]:.1f}) it is too near.",
+            ends and hit is None,
+            f"It keeps 0.5 m from the boxes and the border {name}.",
+            f"At ({hit[0]:.1f}, {hit[1]:.1f}) it is too near." if hit else "This counts when there is a path.",
         )
         shortest = _shortest(_BOXES, start, goal)
         attempt.expect(
             clear and length <= 1.25 * shortest,
-            f"It is at most a quarter longer than the shortest {name}.",
+            f"It is at most a quarter longer than the shortest path {name}.",
             f"It is {length:.1f} m long; {shortest:.1f} m are possible."
             if clear
-            else "This counts when it keeps off them.",
+            else "This counts when it keeps this distance.",
         )
+    tries = len(attempt.findings) > sum(not finding.is_right for finding in attempt.findings)
     attempt.expect(
-        attempt.call("plan", list(_CLOSED), (2.0, 6.0), (12.0, 6.0)) is None,
-        "It returns None where there is no way.",
-        "A wall from side to side is in the way there.",
+        _way(attempt, _CLOSED, (2.0, 6.0), (12.0, 6.0)) is None and tries,
+        "It returns None where there is no path.",
+        "A wall from side to side is in the way there." if tries else "This counts when it has found a path.",
     )
-    if all(finding.is_right for finding in attempt.findings):
-        _drive(attempt)
+    _drive(attempt, all(finding.is_right for finding in attempt.findings))
 
 
-def _drive(attempt):
+def _drive(attempt, is_right):
+    what = "The robot drives the first path and touches nothing."
+    if not is_right:
+        attempt.expect(False, what, "This counts when everything else is right.")
+        return
     start, goal = _WAYS[0]
     robot = attempt.simulation.robot
     contacts = robot.contacts()
@@ -159,6 +172,6 @@ def _drive(attempt):
     place = robot.pose.data["x"], robot.pose.data["y"]
     attempt.expect(
         math.dist(place, goal) < 0.5 and not contacts.touched,
-        "The robot drives the first way and touches nothing.",
+        what,
         f"It ends at ({place[0]:.1f}, {place[1]:.1f}){' and has touched a box' if contacts.touched else ''}.",
     )

@@ -1,12 +1,14 @@
 """Search.
 
-Somewhere in a room with walls stands a victim. The robot sees it if it is within 2.5 m and nothing is between. It has a
-laser scanner, and knows its pose. Write `step` so that it finds the victim within 180 s,
-wherever it is, and touches nothing.
+A victim is somewhere in a room with walls. The robot has found it when it is within 2.5 m and no wall is between
+them. The robot has a laser scanner, and knows its pose, but does not see the victim itself. Write `step`, which is
+called ten times per second, so that the robot comes near the victim within 180 s, wherever it is, and touches
+nothing. The victim is at four places, one after the other.
 
-* Drive where there is room; turn away from what is near. This alone finds it sometimes.
+* Drive where there is space, and turn away from what is near. This alone finds the victim sometimes.
 * Remember where you have been, in cells of 1 m, and prefer directions that lead to new ones.
-* Or follow the walls: a room without islands is seen completely from along its walls.
+* Or follow the walls, as in the lesson `wall`: all walls of this room are connected, so one round along them passes
+  everything. It is about 80 m long.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """Test a program.
 
-A program shall stop a robot before a wall: 0.5 m to 1.5 m before it, wherever the robot starts, and never faster than
-1 m/s. Four programs come to you; one of them is right. Write `is_right`, which drives with a program and tells.
+A program has to stop a robot between 0.5 m and 1.5 m before a wall, wherever the robot starts, and must not drive
+faster than 1 m/s, forwards or backwards. You get four programs, one of which is right. Write `is_right`, which tests
+a program by driving with it.
 
-* Drive from several places: far away, and near the wall.
-* Look at the speed in each step, at the distance at the end, and at whether anything was touched.
+* Drive from several places: far from the wall, and nearer to it than the robot may stop.
+* Look at the speed in each step, at the distance at the end, and at whether the robot has touched the wall.
 """
 
 from __future__ import annotations
@@ -106,13 +107,13 @@ def check(attempt: Attempt) -> None:
 
     for name, (program, is_right) in _PROGRAMS.items():
         runs = 0
-        says = attempt.call("is_right", program, drive)
+        says = attempt.call("is_right", lambda distance, move=program: move(distance), drive)  # without its name
         if type(says).__name__ not in ("bool", "bool_"):  # also of numpy
             raise WrongProgramError(f"is_right() returned {reprlib.repr(says)}, expected True or False")
         attempt.expect(
             runs and bool(says) is is_right,
             f"It is right about {name}.",
-            f"is_right() says {says!r:.20} after {runs} drives."
+            f"is_right() returns {says!r:.20} after {runs} drives."
             if runs
             else "This counts when is_right() has called drive().",
         )

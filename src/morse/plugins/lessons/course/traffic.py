@@ -1,11 +1,13 @@
 """Two robots that must not meet.
 
-Two robots drive on crossing streets, with the same program. Each knows where it is, where the other one is, and where
-both want to go. Write `step` so that both arrive within 40 s, and that they are never nearer than 1.5 m to each other.
+Two robots drive on streets that cross at (0, 0): one to the east (yaw 0), the other one to the north (yaw π/2). Both
+run the same program, and each knows where both are. Write `step` so that both are 4 m behind the crossing within 40
+s, and never nearer than 1.5 m to each other. They start at different distances.
 
-* Both programs are the same. Who waits? They need a rule that tells the two apart: for instance "right before left".
-* A robot that stops for ever has not arrived: drive on when the crossing is free.
-* At which distance can it still stop? It drives 1 m/s at most.
+* Both programs are the same, so they need a rule that tells the robots apart, for instance: who comes from the right
+  drives first.
+* A robot that waits for ever does not arrive: drive on when the other one has passed the crossing.
+* Wait far enough from the crossing: the distance counts between the centres of the robots.
 """
 
 from __future__ import annotations

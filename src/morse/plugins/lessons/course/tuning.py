@@ -1,10 +1,11 @@
 """Learn a gain.
 
-How hard shall a robot steer back to a line? Too soft is slow, too hard swings. Write `learn`, which may drive 30 times
-and returns a good gain.
+A robot starts beside a line and steers back to it. Its turn rate is the gain times the distance to the line: with a
+small gain it returns slowly, with a large one it swings. Write `learn`, which may try 30 gains, a test drive for
+each, and returns a good one.
 
-* Ten gains from 0 to 10 first: where is the mean distance smallest?
-* Then ten between the neighbours of the best one.
+* Try ten gains from 0 to 10 first. With which one is the mean distance to the line the smallest?
+* Then try ten gains between the two neighbours of this one.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ def learn(cost):
     """Return a good gain between 0 and 10.
 
     Args:
-        cost: a function that drives with a gain and returns the mean distance to the line, m; it answers 30 calls.
+        cost: a function: `cost(2.5)` drives with the gain 2.5 and returns the mean distance to the line, m. It may be
+            called 30 times.
     """
     return 0.0
 '''
@@ -88,10 +90,11 @@ def check(attempt: Attempt) -> None:
         "The gain is between 0 and 10.",
         f"It is {gain:g}." if not is_within else "This counts when gains have been tried.",
     )
-    if is_within:
-        mean, best = drive(gain), min(drive(0.25 * k) for k in range(1, 20))
-        attempt.expect(
-            mean <= 1.05 * best,
-            "It is at most 5 % worse than the best one.",
-            f"With {gain:.2f}, the mean distance is {mean:.3f} m; {best:.3f} m are possible.",
-        )
+    mean, best = drive(max(0.0, min(10.0, gain))), min(drive(0.25 * k) for k in range(1, 20))
+    attempt.expect(
+        calls and is_within and mean <= 1.05 * best,
+        "It is at most 5 % worse than the best one.",
+        f"With {gain:.2f}, the mean distance is {mean:.3f} m; {best:.3f} m are possible."
+        if is_within
+        else "This counts when the gain is between 0 and 10.",
+    )

@@ -1,11 +1,15 @@
 """Follow a wall.
 
-The robot has a laser scanner with 181 rays, from its right hand side (ray 0) over straight ahead (ray 90) to its left
-(ray 180). Drive once around the room with the wall at your right, 1 m away, in at most 120 s, and touch nothing.
+The robot has a laser scanner with 181 rays, one per degree: ray 0 points to the right, ray 90 straight ahead, ray 180
+to the left. Write `step`, which gets a scan ten times per second, so that the robot drives once around the room, with
+the wall 1 m to its right, in at most 120 s. It must not touch anything.
 
-* The distance to the right is the shortest of the rays near 0. Too near: turn left; too far: turn right.
-* The corner comes from the front: look at the rays around 90 in time.
-* A robot that only looks at the distance swings. What does ray 30 say about the direction of the wall?
+* The distance to the wall is the shortest of the rays 0 to 60. If it is too short, turn left; if it is too long, turn
+  right.
+* A wall ahead shows in the rays around 90: turn left before you reach it.
+* A robot that looks only at the distance swings from side to side. The number of the shortest ray says how the robot
+  is turned: beside the wall and parallel to it, ray 0 is the shortest.
+* Part of the wall protrudes into the room. Behind its corner, turn right, and slowly.
 """
 
 from __future__ import annotations
@@ -88,16 +92,18 @@ def check(attempt: Attempt) -> None:
     attempt.expect(
         drives and not contacts.touched,
         "The robot touches nothing.",
-        f"It drives into a wall at {end} m." if contacts.touched else "This counts when it reaches the first side.",
+        f"It drives into a wall at {end} m."
+        if contacts.touched
+        else "This counts when it has driven along the first side.",
     )
     attempt.expect(
         not missing,
         "It comes around within 120 s.",
-        f"It passes {len(marks) - len(missing)} of the 4 sides; it ends at {end} m.",
+        f"It has driven along {len(marks) - len(missing)} of the 4 sides, and is at {end} m at the end.",
     )
     mean = sum(errors) / max(1, len(errors))
     attempt.expect(
         not missing and mean < 0.35,
-        "It keeps 1 m to the wall, within 0.35 m in the mean.",
-        f"It is off by {mean:.2f} m in the mean." if not missing else "This is measured when it has come around.",
+        "It stays 1 m from the wall: the mean error is below 0.35 m.",
+        f"The mean error is {mean:.2f} m." if not missing else "This is measured when it has come around.",
     )
