@@ -104,8 +104,8 @@ def check(attempt: Attempt) -> None:
             break
         if math.dist(place, missing[0]) < 0.8:
             missing.pop(0)
-    place = at(robot.pose.data["x"], robot.pose.data["y"])
-    end = f"It has lost the line at {place} m." if is_lost else f"After {steps / 10:.0f} s it is at {place} m."
+    where = at(robot.pose.data["x"], robot.pose.data["y"])
+    end = f"It has lost the line at {where} m." if is_lost else f"After {steps / 10:.0f} s it is at {where} m."
     attempt.expect(len(missing) < len(marks), "The robot comes to the middle of the first bend, at (5, 0) m.", end)
     attempt.expect(
         not missing,
