@@ -40,8 +40,8 @@ CHAPTERS = (
 )
 HEAD = """# Validation
 
-What the models give, and what they should give. `python -m tools validation` measures everything again and writes this
-page; a test does the same and fails if a figure leaves its tolerance.
+This page compares results of the models with formulas and published values. `python -m tools validation` measures everything
+again and writes this page; a test does the same and fails if a figure leaves its tolerance.
 """
 PICTURES = {
     "Mechanics": """
@@ -49,8 +49,8 @@ PICTURES = {
 
 The dots are the ball of the simulation, twelve for each second; the line is the formula.
 
-The integrator takes its share of a fast spin: the default, `implicitfast`, is of first order, and a top of 20 rad/s
-stands up by 0.15° a second at a step of 2 ms. A file with `<option integrator="RK4"/>` keeps the tilt to 1e-7°.
+The integrator limits the accuracy of fast spins: the default, `implicitfast`, is of first order, and a top of 20 rad/s
+rises by 0.15° per second at a step of 2 ms. A file with `<option integrator="RK4"/>` keeps the tilt to 1e-7°.
 """,
     "Sensors": """
 ![Allan deviation over time of a gyroscope: simulation and data sheet](measured/allan.svg)
