@@ -40,8 +40,8 @@ CHAPTERS = (
 )
 HEAD = """# Validation
 
-This page compares results of the models with formulas and published values. `python -m tools validation` measures everything
-again and writes this page; a test does the same and fails if a figure leaves its tolerance.
+This page compares results of the models with formulas and published values. `python -m tools validation` measures
+everything again and writes this page; a test does the same and fails if a figure leaves its tolerance.
 """
 PICTURES = {
     "Mechanics": """
