@@ -271,6 +271,7 @@ def test_a_class_gets_a_table(here, capsys):
         ("anna", (SOLUTIONS / "odometry.py").read_text()),
         ("=HYPERLINK(1)", "x = 1\n"),
         ("carl", "def update(way, turn):\n    return 0, 0, 0\ndef drift(a, b, c):\n    return a * b * c**2 / 2\n"),
+        ("gil", "def update(way, turn):\n    return 0, 0, 0\ndef drift(a, b, c):\n    raise KeyError('gain')\n"),
     ):
         folder = here / "results" / student / "odometry"
         folder.mkdir(parents=True)
@@ -292,6 +293,7 @@ def test_a_class_gets_a_table(here, capsys):
         ["dora", "–"],
         ["emil", "–"],
         ["fina", "–"],
+        ["gil", "error"],
     ]
     said = capsys.readouterr()
     assert "anna" in said.out
@@ -299,6 +301,7 @@ def test_a_class_gets_a_table(here, capsys):
         r"dora.odometri.controller\.py: there is no lesson 'odometri'; did you mean 'odometry'\?", said.err
     )
     assert "=HYPERLINK(1), odometry: error: controller.py has no function update()" in said.err
+    assert "gil, odometry: error: KeyError: 'gain'" in said.err  # not the first wrong point
     assert "carl, odometry: 2/6; wrong: The yaw is right within 0.01 rad. It is up to" in said.err
     assert re.search(r"results.emil has no program: .*, but there is results.emil.homework.odometry", said.err)
     assert re.search(r"there is no file results.fina.odometry.controller\.py", said.err)

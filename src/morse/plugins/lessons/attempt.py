@@ -32,8 +32,9 @@ if TYPE_CHECKING:
 
 #: processor seconds that one call of a student's function may take; a busy machine takes nothing away from them
 LONGEST_CALL = 10.0
-#: wall-clock seconds of one call, for a function that waits and computes nothing
-_LONGEST_WAIT = 60.0
+#: wall-clock seconds of one call of a function that waits, and the processor seconds that it computes in them at most:
+#: a loop gets little of a busy computer, and may take longer
+_LONGEST_WAIT, _IDLE = 60.0, 0.5
 #: processor seconds of a whole check
 LONGEST_CHECK = 300.0
 #: items of what a student's function yields; more may be endless
@@ -351,7 +352,7 @@ class _Watch:
             since, (computed, passed) = self._since, _now()
             if since is not None and computed - since[0] > LONGEST_CALL:
                 self._stop(PROGRAM_RUNS, self._endless(f"{LONGEST_CALL:g} s", "Is this an endless loop?"))
-            if since is not None and passed - since[1] > _LONGEST_WAIT:
+            if since is not None and passed - since[1] > _LONGEST_WAIT and computed - since[0] < _IDLE:
                 self._stop(PROGRAM_RUNS, self._endless(f"{_LONGEST_WAIT:g} s", "What does it wait for?"))
             if computed > self._end:
                 self._stop(CHECK_ENDS, f"it has not ended after {self._longest:g} s")

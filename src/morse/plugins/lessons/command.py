@@ -160,7 +160,9 @@ def _check_class(results: Path) -> int:
         right = sum(finding.is_right for finding in result.findings)
         # of a check that was cut short, the number of points is not known
         text = f"{right}/{len(result.findings)}" if result.is_complete else "error"
-        wrong = next((finding for finding in result.findings if not finding.is_right), None)
+        # what has cut a check short comes last
+        findings = result.findings if result.is_complete else reversed(result.findings)
+        wrong = next((finding for finding in findings if not finding.is_right), None)
         reason = ""
         if wrong is not None:
             reason = f": {wrong.hint}" if not result.is_complete else f"; wrong: {wrong.what} {wrong.hint}".rstrip()
