@@ -75,7 +75,9 @@ def without_picture() -> list[str]:
 def _build(app: Sphinx) -> None:
     write(Path(app.srcdir) / FOLDER)
     if missing := without_picture():
-        print(f"no picture of {', '.join(missing)}: `python -m tools` takes one")
+        from sphinx.util import logging  # the library is also written where Sphinx is not installed
+
+        logging.getLogger(__name__).info(f"no picture of {', '.join(missing)}: `python -m tools` takes one")
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
