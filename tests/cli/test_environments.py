@@ -34,6 +34,9 @@ def test_create_writes_the_files_of_the_tutorial_and_registers(morse):
     assert sites(morse) == {"ranger_sim": str(directory)}
     assert str(directory) in answer.out
     assert "morse run ranger_sim" in answer.out
+    # a bare `pytest` may be that of a Python without MORSE
+    assert "python -m pytest ranger_sim" in answer.out
+    assert "pip install pytest" in answer.out
 
 
 def test_tutorial_finds_morsy_on_line_15(morse):

@@ -267,7 +267,7 @@ def test_what_a_project_prints_is_no_message(tmp_path: Path, caplog: pytest.LogC
     catalog = Catalog(server, [], [str(_project(tmp_path, NOISE))])
     try:
         catalog.open()
-        (models,) = _messages(catalog, sent, lambda one: isinstance(one, Models))
+        (models, *_) = _messages(catalog, sent, lambda one: isinstance(one, Models))
         assert "my_sim.builder.robots:MyRobot" in {model.kind for model in models.models}
         wait_until(lambda: "a child" in caplog.text)
     finally:

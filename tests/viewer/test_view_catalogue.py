@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+import sys
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from editor_desk import Desk
@@ -14,7 +16,9 @@ from morse.assets import load
 from morse.launch import model_pictures
 from morse.launch.model_pictures import Model, models
 from morse.scene import PhysicsType
+from morse.viewer import catalog
 from morse.viewer.catalog import Catalog
+from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -91,6 +95,8 @@ def test_other_words_find_it() -> None:
         ("DVL", "velocity"),
     ]:
         assert word in words[name]
+    # what a component is for stands before the names of its data
+    assert words["MotionVW"][:2] == ["drive", "wheels"]
 
 
 @pytest.mark.long
@@ -99,7 +105,7 @@ def test_every_component_works_at_once_is_saved_and_loaded(tmp_path: Path, monke
     assert len(catalogue) > 115
     # those of plug-ins are in it
     assert {"Radar", "DVL", "PeopleTracker", "Whiskers"} <= {model.kind for model in catalogue}
-    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take([model._asdict() for model in catalogue]))
+    monkeypatch.setattr(Catalog, "open", lambda listing: listing._take([model._asdict() for model in catalogue]))
     script = tmp_path / "scene.py"
     script.write_text(SCENE)
     refused = set()
@@ -152,7 +158,7 @@ def _robots() -> list[object]:
 def test_every_robot_and_facility_is_added_saved_and_loaded(
     model: Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take([model._asdict()]))
+    monkeypatch.setattr(Catalog, "open", lambda listing: listing._take([model._asdict()]))
     script = tmp_path / "scene.py"
     script.write_text('from morse.builder import *\n\nenv = Environment("empty")\n')
     with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
@@ -204,7 +210,7 @@ def test_the_boxes_of_a_dispenser_are_moved_for_the_run_and_go_with_it(tmp_path:
 
 def test_a_page_that_adds_without_end_has_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     model = Model("Pose", "Pose", "sensors")
-    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take([model._asdict()]))
+    monkeypatch.setattr(Catalog, "open", lambda listing: listing._take([model._asdict()]))
     monkeypatch.setattr("morse.viewer.editor._MOST_CHANGES", 8)
     script = tmp_path / "scene.py"
     script.write_text(SCENE)
@@ -252,6 +258,37 @@ def test_the_list_reads_files_of_models_only_once_whatever_is_in_its_cache(monke
         kept.entries = dict.fromkeys(kept.entries, damaged)
         assert model_pictures._objects("crates", "props") == crates
     assert len(read) == 5
+
+
+def test_the_list_of_the_last_time_is_shown_at_once_and_a_new_one_takes_its_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kept, programs = Kept(), []
+    monkeypatch.setattr(catalog, "_cache", kept)
+    monkeypatch.setattr(catalog, "command", lambda *_: [sys.executable, "-c", programs[-1]])
+
+    def lists(*lines: object, until: int) -> list[list[str]]:
+        """The names in each list that a page gets from a program that writes these lines."""
+        programs.append("".join(f"print({json.dumps(line)!r});" for line in lines))
+        sent: list[Any] = []
+        server: Any = SimpleNamespace(send=sent.append, offer=lambda *_: "/url")
+        listing = Catalog(server, [])
+        try:
+            listing.open()
+            wait_until(lambda: (listing.update(), len(sent) >= until)[1])
+        finally:
+            listing.close()
+        return [[model.name for model in one.models] for one in sent]
+
+    first, second = ({"kind": name, "name": name, "group": "robots"} for name in ("ATRV", "Morsy"))
+    # at first: what needs no files, then all
+    assert lists({"first": [first]}, [first, second], until=2) == [["ATRV"], ["ATRV", "Morsy"]]
+    # then all, at once, also if the process has not yet written anything
+    assert lists(until=1) == [["ATRV", "Morsy"]]
+    assert lists({"first": [second]}, [second], until=2) == [["ATRV", "Morsy"], ["Morsy"]]
+    for damaged in (b"\xff", b"[[1]]", b'[{"kind": 1}]', b"[" * 5000):
+        kept.entries = dict.fromkeys(kept.entries, damaged)
+        assert lists([first], until=1) == [["ATRV"]]
 
 
 def test_people_and_doors_tell_who_puts_them_in_their_places(tmp_path: Path) -> None:

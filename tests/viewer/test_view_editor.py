@@ -747,7 +747,7 @@ def test_on_a_telephone_one_model_is_added_after_the_other(desk: Desk, open_page
 
 
 PARTS = [
-    {"kind": "Morsy", "name": "Morsy", "group": "robots"},
+    {"kind": "Morsy", "name": "Morsy", "group": "robots", "doc": "An indoor robot with wheels", "words": "wheels"},
     {"kind": "IMU", "name": "IMU", "group": "sensors", "doc": "An inertial measurement unit"},
     {"kind": "Pose", "name": "Pose", "group": "sensors", "doc": "The full pose", "words": "position where"},
     {"kind": "MotionVW", "name": "MotionVW", "group": "actuators", "words": "drive wheels steer"},
@@ -784,6 +784,12 @@ def test_a_robot_is_built_from_nothing_driven_saved_and_loaded(
         assert page.locator(".model .caption").all_inner_texts() == ["Camera"]
         page.get_by_role("searchbox", name="find a model").fill("lamps")
         assert page.locator(".model .caption").all_inner_texts() == ["Camera", "Cone"]
+        # what drives stands before the robots that have wheels
+        page.get_by_role("searchbox", name="find a model").fill("wheels")
+        assert page.locator(".model .caption").all_inner_texts() == ["MotionVW", "Morsy"]
+        # a part of a word is none
+        page.get_by_role("searchbox", name="find a model").fill("door")
+        assert page.locator(".models").inner_text() == "Nothing of that name."
         add("morsy", "Morsy", "morsy")
         add("drive", "MotionVW", "morsy.motion_vw")
         add("imu", "IMU", "morsy.imu")

@@ -255,7 +255,8 @@ def create(
     say(f"Start it with:           morse run {name}")
     say(f"Change the scene in:     {directory / 'default.py'}")
     say(f"Drive its robot from:    {directory / 'scripts' / f'{name}_client.py'}")
-    say(f"Test it with:            pytest {name}")
+    # a pytest of another Python does not find MORSE
+    say(f"Test it with:            python -m pytest {name}    (once before: python -m pip install pytest)")
     say(f"Add your own robot: morse add robot rover {name}")
 
 

@@ -3,8 +3,9 @@
 The arguments are the folders of models and of packages of the project, each a list in JSON.
 
 A process of its own draws them, so that a running simulation does not wait. Each line that it writes is a JSON value:
-the first one lists all models, each other one has the picture of one model. What the classes of a project print goes to
-the standard error. Pictures are kept in the cache of the user.
+the first one has the models that are known without their files, the second one lists all models, each other one has the
+picture of one model. What the classes of a project print goes to the standard error. Pictures are kept in the cache of
+the user.
 """
 
 from __future__ import annotations
@@ -15,7 +16,9 @@ import hashlib
 import inspect
 import io
 import json
+import logging
 import math
+import os
 import re
 import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -38,7 +41,7 @@ from morse.system.workers import own_output
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
 
 
@@ -128,25 +131,37 @@ def models(sources: Sequence[str] = ()) -> list[Model]:
     Args:
         sources: folders of packages of the project.
     """
+    known = described(sources)
+    return [*known, *objects({item.name for item in known})]
+
+
+def described(sources: Sequence[str] = ()) -> list[Model]:
+    """The robots, components and solids: what is known without the files of the models."""
     from morse import builder
 
     own = own_classes(sources)
     items: list[Model] = []
     for group in ("robots", *_ON_ROBOTS):
-        described = catalog.components(f"morse.{group}")
+        entries = catalog.components(f"morse.{group}")
         items += [Model(kind, name, group) for kind, name in own if kind.rpartition(":")[0].endswith(f".{group}")]
         for name in (*getattr(builder, group).__all__, *_of_plugins(group)):
             cls = getattr(builder, name)
             if _is_component(cls, group):
-                items.append(Model(name, name, group, *described_class(cls, described.get(name))))
+                items.append(Model(name, name, group, *described_class(cls, entries.get(name))))
     for name in builder.__all__:
         cls = getattr(builder, name)
         if isinstance(cls, type) and issubclass(cls, BlenderObject) and name not in _NO_SOLIDS:
             doc = (inspect.getdoc(cls) or "").partition("\n")[0]
             items.append(Model(name, name, "solids, lamps and cameras", doc, _SYNONYMS.get(name.lower(), "")))
+    return items
+
+
+def objects(names: Iterable[str]) -> list[Model]:
+    """The objects of props, and those of worlds that have other names than these and the given ones."""
+    items: list[Model] = []
     for name in search.available("props"):
         items += _objects(name, "props")
-    labels = {item.name for item in items}
+    labels = {*names, *(item.name for item in items)}
     for name in search.available("environments"):
         parts = [part for part in _objects(name, "environments") if part.name not in labels]
         labels |= {part.name for part in parts}
@@ -218,7 +233,8 @@ def described_class(cls: type[Robot | ComponentCreator], entry: catalog.Entry | 
     component = catalog.load_class(str(classpath))
     fields = [f"{name} {field.doc}" for name, field in data_fields(component).items() if name != "timestamp"]
     kinds_of_messages = [one.kind.replace("_", " ") for one in kinds(component)]
-    base = "drive " if getattr(component, "commands_speed", False) else ""
+    # what it is for stands first
+    base = f"drive {_SYNONYMS['drive']} " if getattr(component, "commands_speed", False) else ""
     text = f"{base}{' '.join(kinds_of_messages)} {' '.join(fields)}"
     own = set(re.findall("[a-z]+", f"{text} {doc} {cls.__name__}".lower()))
     own |= {word.lower() for word in re.findall("[A-Z][a-z]+", cls.__name__)}
@@ -298,7 +314,11 @@ def main() -> None:
 
     folders, sources = map(json.loads, sys.argv[1:])
     with search.project_dirs(folders), ProjectImports(sources):
-        everything = models(sources)
+        # what the pictures of models lack says nothing about the scene, in whose log it would stand
+        logging.getLogger().addHandler(logging.NullHandler())
+        known = described(sources)
+        write({"first": [model._asdict() for model in known]})
+        everything = [*known, *objects({model.name for model in known})]
         write([model._asdict() for model in everything])
         missing = []
         for model in everything:
@@ -308,6 +328,8 @@ def main() -> None:
                 missing.append(model)
             elif picture:
                 write(_message(model, picture))
+        if missing and hasattr(os, "nice"):
+            os.nice(10)  # the simulation comes first
         for begin in range(0, len(missing), _TOGETHER):
             _draw(missing[begin : begin + _TOGETHER], write)
 
@@ -328,7 +350,8 @@ def _draw(several: list[Model], write: Callable[[object], None]) -> None:
             for model in list(nothing.values()):
                 _draw([model], write)
             return
-        echo(f"{several[0].kind} has no picture: {error}", err=True)
+        if not several[0].kind.isidentifier():  # a class of MORSE may need a part that carries it, or arguments
+            echo(f"{several[0].kind} has no picture: {error}", err=True)
     for model in nothing.values():
         _cache.put(_key(model), b"")
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import contextlib
+import hashlib
 import json
 import logging
 import queue
@@ -10,9 +12,13 @@ import subprocess
 import threading
 from typing import IO, TYPE_CHECKING, Any
 
+import msgspec
+
+from morse.assets.cache import Cache
 from morse.core.clients.complaints import Complaints
 from morse.core.reports.quoting import short
 from morse.system.workers import command
+from morse.version import __version__
 from morse.viewer.view_messages import Model, ModelPicture, Models, Refused
 
 if TYPE_CHECKING:
@@ -23,12 +29,17 @@ if TYPE_CHECKING:
 _PROGRAM = "morse.launch.model_pictures"
 #: maximum number of bytes of a line that classes of the project print
 _LONGEST_LINE = 400
+#: bytes of a list
+_LARGEST_LIST = 4 << 20
+
+#: the last list of each project: the process needs seconds for a new one, many on a busy machine
+_cache = Cache("models", 50)
 
 logger = logging.getLogger("morse.viewer")
 
 
 class Catalog:
-    """Lists models when a page asks for them first.
+    """Lists models when a page asks for them first: at once as they were the last time, then as they are.
 
     What the classes of the project print in the other process is logged.
 
@@ -49,6 +60,8 @@ class Catalog:
         self._complaints = Complaints(logger)
         self.groups: dict[str, str] = {}
         self._listed: list[Model] = []
+        self._is_complete = False
+        self._key = hashlib.sha256(f"{__version__} {self._arguments}".encode()).hexdigest()
         self._uploaded: list[Model] = []
 
     def open(self) -> None:
@@ -57,8 +70,11 @@ class Catalog:
         Raises:
             OSError: the process cannot be started.
         """
-        if self._process is not None and (self._listed or self._process.poll() is None):
+        if self._process is not None and (self._is_complete or self._process.poll() is None):
             return
+        with contextlib.suppress(msgspec.MsgspecError):
+            if kept := _cache.get(self._key, _LARGEST_LIST):
+                self._list(msgspec.json.decode(kept, type=list[Model]))
         self._process = process = subprocess.Popen(
             command(_PROGRAM, *self._arguments),
             stdin=subprocess.DEVNULL,
@@ -96,11 +112,20 @@ class Catalog:
 
     def _take(self, content: Any) -> None:
         if isinstance(content, list):
-            self._listed = [Model(**one) for one in content]
-            self._tell()
+            self._is_complete = True
+            self._list([Model(**one) for one in content])
+            _cache.put(self._key, msgspec.json.encode(self._listed))
+        elif "first" in content:
+            if not self._listed:
+                self._list([Model(**one) for one in content["first"]])
         else:
             url = self._server.offer("pictures", "image/webp", base64.b64decode(content["picture"]))
             self._server.send(ModelPicture(content["kind"], url))
+
+    def _list(self, models: list[Model]) -> None:
+        if models != self._listed:
+            self._listed = models
+            self._tell()
 
     def add(self, models: Sequence[Model]) -> None:
         """Add models that a page has sent."""

@@ -273,6 +273,28 @@ Environment("empty")
         assert sim.people.data["positions"][0, 0] - here[0] > 0.4
 
 
+def test_a_touch_of_the_head_is_no_impact_and_an_impact_on_it_is_not_permitted(tmp_path, caplog):
+    path = tmp_path / "scene.py"
+    path.write_text(
+        """
+from morse.builder import *
+crowd = Crowd("people", 1)
+crowd.start(places=[(2.0, 0.0)])
+Environment("empty")
+""",
+        "utf-8",
+    )
+    contact = {"person": 0, "robot": "arm", "region": "face", "limit": 0.0}
+    with morse.load(path) as sim:
+        crowd = sim.context.robots["people"]
+        for force, exceeded in ((0.3, 0), (40.0, 1)):
+            crowd._around.touch = lambda *_, force=force: [{**contact, "force": force}]
+            sim.step()
+            assert sim.people.data["exceeded"] == exceeded
+    assert "with 0 N" not in caplog.text
+    assert "arm hits person 0 of people with 40 N, face: ISO/TS 15066 permits no impact there" in caplog.text
+
+
 def test_a_tracker_tells_who_is_near_and_not_who_is_behind_a_wall(tmp_path):
     path = tmp_path / "scene.py"
     path.write_text(

@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 
 #: kg of a man of 1.75 m; the mass goes with the square of the height
 _MASS = 76.0
+#: N: a smaller force is a touch, also on the head, where no impact is permitted
+_TOUCH = 1.0
 
 _Person = Annotated[int, Range(0, 5000)]
 
@@ -297,12 +299,13 @@ class Crowd(Robot):
             del self._reported[key]
         for one in contacts:
             key = f"{one['person']} {one['robot']}"
-            if one["force"] <= one["limit"] or key in self._reported:
+            if one["force"] <= max(one["limit"], _TOUCH) or key in self._reported:
                 continue
             self._reported[key] = True
             data["exceeded"] += 1
             text = f"{one['robot']} hits person {one['person']} of {self.name()} with {one['force']:.0f} N, "
-            text += f"{one['region']}: ISO/TS 15066 permits {one['limit']:.0f} N"
+            permitted = f"{one['limit']:.0f} N" if one["limit"] else "no impact there"
+            text += f"{one['region']}: ISO/TS 15066 permits {permitted}"
             self.context.complaints.warn(f"{self.name()} {one['robot']}", text)
 
     def _show(self) -> None:

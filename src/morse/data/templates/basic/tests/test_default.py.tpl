@@ -1,6 +1,6 @@
 """The scene of @env@ starts, and its robot drives.
 
-Run the tests in the folder of the project (`pip install pytest` once):    pytest
+Run the tests in the folder of the project (`python -m pip install pytest` once):    python -m pytest
 """
 
 from pathlib import Path
