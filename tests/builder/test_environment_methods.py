@@ -1,6 +1,7 @@
 """Methods of the environment that packages bring, and modifiers of all sensors."""
 
 import re
+import statistics
 from pathlib import Path
 
 import pytest
@@ -113,3 +114,24 @@ def test_a_package_that_fails_is_named_with_the_line_of_the_script(
 def test_mistakes_of_a_modifier_for_all_sensors_are_named(tmp_path: Path, call: str, words: str) -> None:
     with pytest.raises(Exception, match=re.escape(words)):
         morse.load(script(tmp_path, f'env = Environment("empty")\n{call}')).close()
+
+
+def test_each_class_of_a_modifier_for_all_sensors_gets_its_own_options(tmp_path: Path, caplog) -> None:
+    """Noise of a pose has other options than that of an IMU: both have what is theirs."""
+    text = """
+robot = ATRV()
+pose, imu = Pose(), IMU()
+robot.append(pose)
+robot.append(imu)
+env = Environment("empty")
+env.alter("Noise", pos_std=5.0, gyro_std=0.0, accel_std=0.0)
+"""
+    with morse.load(script(tmp_path, text)) as sim:
+        assert "no option" not in caplog.text
+        places, turns = [], []
+        for _ in range(20):
+            sim.step()
+            places.append(sim.robot.pose.get()["x"])
+            turns.append(max(map(abs, sim.robot.imu.get()["angular_velocity"])))
+    assert statistics.pstdev(places) == pytest.approx(5.0, rel=0.6)
+    assert max(turns) < 0.01  # by default, it would be about 0.5

@@ -127,6 +127,65 @@ def test_settings_of_the_environment_are_written_and_loaded(desk: Desk, tmp_path
         assert settings.view.horizon_color == (0.5, 0.3, 0.2)
 
 
+def test_settings_that_count_from_the_next_start_on_are_loaded(desk: Desk, tmp_path: Path) -> None:
+    def put(method: str, remove: bool = False, **values: object) -> None:
+        named = {name.rstrip("_"): value for name, value in values.items()}
+        desk.do("configure", component="simulation", method=method, values=named, remove=remove)
+
+    put("set_seed", _=7)
+    put("set_start_date", _="2026-06-21")
+    put("set_physics_step_sub", _=8)
+    put("set_auto_start", _=False)
+    put("show_physics", _=True)
+    # of all sensors
+    put("alter", _="Noise", pos_std=0.5)
+    put("alter", _="NED")
+    # the values of several calls stand in one, and are taken back together
+    put("properties", latitude=45.0)
+    put("properties", remove=True)
+    put("properties", longitude=5.5)
+    put("properties", latitude=43.6, Temperature=30.0)
+    assert "properties" in desk.do("undo_change")
+    desk.do("redo_change")
+    desk.do("save_scene", write=True)
+    lines = (tmp_path / "scene.py").read_text()[len(SCENE) :].splitlines()
+    assert {"env.alter('Noise', pos_std=0.5)", "env.alter('NED')"} <= {*lines}
+    assert lines[-1] == "env.properties(longitude=5.5, latitude=43.6, Temperature=30.0)"
+    with morse.load(tmp_path / "scene.py") as again:
+        settings = again.scene.settings
+        assert (settings.seed, settings.auto_start, settings.physics_steps) == (7, False, 8)
+        assert settings.start_time == 1782000000  # 2026-06-21 00:00 UTC
+        place = again.scene.properties
+        assert settings.view.show_physics
+        assert (place["longitude"], place["latitude"], place["Temperature"]) == (5.5, 43.6, 30.0)
+
+
+@pytest.mark.parametrize(
+    ("method", "values"),
+    [
+        ("set_seed", {"": -1}),
+        ("set_seed", {"": 1.5}),
+        ("set_start_date", {"": "yesterday"}),
+        ("set_start_date", {"": 3}),
+        ("set_auto_start", {"": "yes"}),
+        ("alter", {"": "Nois"}),
+        ("alter", {"": 1}),
+        ("alter", {"pos_std": 0.5}),
+        ("alter", {"": "Noise", "pos_std": "much"}),
+        ("alter", {"": "Noise", "classpath": "os.system"}),
+        ("properties", {}),
+        ("properties", {"latitude": "north"}),
+        ("properties", {"latitude": float("1e300")}),
+        ("properties", {"Weather": 1.0}),
+    ],
+)
+def test_what_is_no_setting_of_the_environment_changes_nothing(desk: Desk, method: str, values: object) -> None:
+    answer = desk.ask("configure", component="simulation", method=method, values=values)
+    assert not answer["ok"]
+    assert answer["error"]
+    assert desk.do("save_scene", write=False)["difference"] == ""
+
+
 def test_settings_of_the_environment_take_effect_at_once(tmp_path: Path) -> None:
     script = tmp_path / "scene.py"
     script.write_text(

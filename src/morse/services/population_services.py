@@ -77,8 +77,10 @@ class PopulationServices(AbstractObject):
                 e.g. ``props/crates#small_crate``; a robot of a file, e.g. ``Robot('arm/arm.urdf')``; or the text of a
                 robot in URDF, SDF or MJCF: it has the sensors and the drive of the text. For a component, a class of
                 scene scripts, e.g. ``VideoCamera``, which lines with calls may follow: ``frequency(10)``,
-                ``alter('Noise')``, and ``append(child='hand')`` for a part of what carries it. For an object, the line
-                ``scale(2.0, 2.0, 1.0)`` may follow.
+                ``alter('Noise')``, and ``append(child='hand')`` for a part of what carries it. For an object, the
+                lines ``scale(2.0, 2.0, 1.0)``, ``set_physics_type('RIGID_BODY')``, ``set_mass(2.0)``,
+                ``set_friction(0.5)``, ``set_restitution(0.8)``, ``set_damping(0.1, 0.1)`` and, for a solid,
+                ``color(1.0, 0.0, 0.0)`` may follow.
             position: x, y, z in the world, m; for a component, in the frame of what carries it; the origin if not
                 given, and for the end of an arm its tip.
             orientation: roll, pitch, yaw, rad.

@@ -321,7 +321,10 @@ def _alter(declaration: ComponentDeclaration, cls: type, alterations: Sequence[S
         path = fitting_modifier(one.name, cls)
         known = any(each.classpath == path and each.where == one.where for each in declaration.modifiers)
         if path is not None and path not in own and not known:
-            declaration.modifiers.append(ModifierDeclaration(path, dict(one.options), one.where))
+            # other classes of the same modifier have others
+            known = getattr(load_class(path), "options", None)
+            options = {option: value for option, value in one.options.items() if known is None or option in known}
+            declaration.modifiers.append(ModifierDeclaration(path, options, one.where))
 
 
 def _add_interfaces(context: Context, component: Object, declaration: ComponentDeclaration) -> None:

@@ -104,7 +104,10 @@ class Catalog:
         while not self._lines.empty():
             line = self._lines.get()
             if line:
-                self._take(json.loads(line))
+                content = json.loads(line)
+                self._take(content)
+                if isinstance(content, list):
+                    _cache.put(self._key, msgspec.json.encode(self._listed))
             else:
                 text = f"The list of models is not complete: its process has failed. {self._printed}".rstrip()
                 self._complaints.warn("failed", text)
@@ -114,7 +117,6 @@ class Catalog:
         if isinstance(content, list):
             self._is_complete = True
             self._list([Model(**one) for one in content])
-            _cache.put(self._key, msgspec.json.encode(self._listed))
         elif "first" in content:
             if not self._listed:
                 self._list([Model(**one) for one in content["first"]])

@@ -28,6 +28,7 @@ from morse.core.reports.quoting import short
 from morse.scene.extent import visible_extent
 from morse.viewer.catalog import Catalog
 from morse.viewer.feeds.components import settings_of
+from morse.viewer.object_settings import settings_of_object, whole_call
 from morse.viewer.placing import (
     Place,
     carrier_of,
@@ -41,7 +42,7 @@ from morse.viewer.placing import (
 )
 from morse.viewer.script_file import ScriptFile
 from morse.viewer.uploads import Uploads, saved_place
-from morse.viewer.view_messages import Answer, PropertyValue, Refused, SceneChanges
+from morse.viewer.view_messages import Answer, ComponentSettings, PropertyValue, Refused, SceneChanges
 from morse.viewer.world_settings import (
     OWNER,
     Call,
@@ -51,12 +52,14 @@ from morse.viewer.world_settings import (
     is_immediate,
     lines_of,
     settings_of_world,
+    with_call,
     world_line,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from morse.builder.abstractcomponent import AbstractComponent
     from morse.scene import Node
     from morse.scene.extent import Corners
     from morse.simulation.simulation import Simulation
@@ -310,17 +313,56 @@ class Editor:
         x, y, z = (round(now * factor, 4) for now, factor in zip(old.scale, factors, strict=True))
         new = replace(old, scale=(x, y, z))
 
-        def exchange(before: Addition, after: Addition) -> None:
+        def exchange(after: Addition) -> None:
             present = self._additions[name]
-            self._services.run("simulation", "delete", name)
-            try:
-                self._spawn(replace(present, scale=after.scale))
-            except Exception:
-                self._spawn(replace(present, scale=before.scale))
-                raise
+            self._exchange(replace(present, scale=after.scale), self._calls.get(name, {}))
 
-        exchange(old, new)
-        self._undo_by(f"{name} was scaled", lambda: exchange(new, old), lambda: exchange(old, new))
+        exchange(new)
+        self._undo_by(f"{name} was scaled", lambda: exchange(old), lambda: exchange(new))
+        return name
+
+    def _exchange(self, addition: Addition, calls: Calls) -> None:
+        """Create an object that was added anew: with another size, or other calls."""
+        name = addition.scene_name
+        present, before = self._additions[name], self._calls.get(name, {})
+        self._services.run("simulation", "delete", name)
+        self._note(name, calls)
+        try:
+            self._spawn(addition)
+        except Exception:
+            self._note(name, before)
+            self._spawn(present)
+            raise
+
+    def _class_of_object(self, name: str) -> type[AbstractComponent] | None:
+        """The builder class of an object that was added; None for robots, components and what is no addition."""
+        addition = self._additions.get(name)
+        if addition is None or addition.robot or name in self._simulation.context.robots:
+            return None
+        scene = self._simulation.scene
+        with scene.project, describing(scene.resource_paths), workspace.described():
+            return type(component_of(addition.kind))
+
+    def _configure_object(self, cls: type[AbstractComponent], event: page.Configure) -> str:
+        """Call a method of the builder for an object that was added, or take the call back."""
+        name, method = event.component, event.method
+        node, old = self._simulation.scene.find(name), self._calls.get(name, {})
+        values = None if node is None else whole_call(cls, node, method, event.values)
+        if values is None:
+            raise MorseError(f"'{short(method)}' is not a setting of {cls.__name__}")
+        call = Call(method, values)
+        if event.remove and call.key() not in old:
+            raise MorseError(f"{method} was not set in this page: change the script")
+        new = {key: one for key, one in old.items() if key != call.key()}
+        if not event.remove:
+            new[call.key()] = call
+
+        def exchange(calls: Calls) -> None:
+            self._exchange(self._additions[name], calls)
+
+        exchange(new)
+        what = f"{method} of {name} was {'taken back' if event.remove else 'set'}"
+        self._undo_by(what, lambda: exchange(old), lambda: exchange(new))
         return name
 
     def _spawn(self, addition: Addition) -> None:
@@ -472,14 +514,11 @@ class Editor:
 
     def _set_up_world(self, event: page.Configure) -> str:
         """Set up the environment: at once, or from the next start on; see `world_settings`."""
-        call, old = Call(event.method, event.values), self._calls.get(OWNER, {})
-        if event.remove and call.key() not in old:
-            raise MorseError(f"{short(event.method)} was not set in this page: change the script")
-        new = {key: one for key, one in old.items() if key != call.key()}
+        old = self._calls.get(OWNER, {})
+        new = with_call(old, event.method, event.values, remove=event.remove)
         if not event.remove:
             self._check_room()
-            check_world_call(*call, self._simulation.scene.settings)
-            new[call.key()] = call
+            check_world_call(event.method, event.values, self._simulation.scene.settings)
             if self._file.path is not None:
                 self._file.changed(Changes(settings=[world_line(*one) for one in new.values()]))  # can it be saved?
         self._settle(new)
@@ -494,10 +533,12 @@ class Editor:
     def _configure(self, event: page.Configure) -> str:
         if event.component == OWNER:
             return self._set_up_world(event)
-        if event.method not in _METHODS:
-            raise MorseError(f"'{event.method}' is not a setting of a component: there are {', '.join(_METHODS)}")
         if odd := [name for name in event.values if name and (not name.isidentifier() or iskeyword(name))]:
             raise MorseError(f"'{short(odd[0])}' is not a name of an argument")
+        if (cls := self._class_of_object(event.component)) is not None:
+            return self._configure_object(cls, event)
+        if event.method not in _METHODS:
+            raise MorseError(f"'{event.method}' is not a setting of a component: there are {', '.join(_METHODS)}")
         name, call = event.component, Call(event.method, event.values)
         declared = next((d for d in self._simulation.scene.components if d.name == name), None)
         if declared is None or declared.kind not in ("sensor", "actuator"):
@@ -555,8 +596,13 @@ class Editor:
         """Tell pages what can be set for a component."""
         own = [*self._calls.get(event.component, {}).values()]
         scene = self._simulation.scene
-        is_world = event.component == OWNER
-        settings = settings_of_world(scene, own) if is_world else settings_of(self._simulation, event.component, own)
+        name = event.component
+        if name == OWNER:
+            settings: ComponentSettings | None = settings_of_world(scene, own)
+        elif (cls := self._class_of_object(name)) is not None and (node := scene.find(name)) is not None:
+            settings = settings_of_object(name, cls, node, own)
+        else:
+            settings = settings_of(self._simulation, name, own)
         if settings is not None:
             self._server.send(settings)
 

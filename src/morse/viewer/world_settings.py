@@ -9,10 +9,12 @@ from __future__ import annotations
 import inspect
 import math
 from copy import copy
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, NamedTuple
 
 from morse.builder import Environment, workspace
 from morse.builder.assembly.spawning import call_text
+from morse.builder.names.catalog import modifier_classes
 from morse.builder.script import describing
 from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
@@ -22,6 +24,7 @@ from morse.scene import TimeStrategies
 from morse.scene.scene import Mist
 from morse.viewer.describe import moving_nodes
 from morse.viewer.description import PropertyDescription, SettingDescription
+from morse.viewer.feeds.components import described_modifier
 from morse.viewer.view_messages import ComponentSettings, Viewpoint
 
 if TYPE_CHECKING:
@@ -35,9 +38,10 @@ if TYPE_CHECKING:
 OWNER = "simulation"
 """The pseudo component whose settings these are."""
 
-SEVERAL = ("add_default_interface",)
+_MIDDLEWARE, _MODIFIER = "add_default_interface", "alter"
+SEVERAL = (_MIDDLEWARE, _MODIFIER)
 """Methods that are called for several names."""
-_SEVERAL = ("properties", "noise", "alter", "add_stream", *SEVERAL)
+_SEVERAL = ("properties", "noise", "add_stream", *SEVERAL)
 
 
 class Call(NamedTuple):
@@ -105,6 +109,21 @@ def _color(present: Callable[[Settings], tuple[float, float, float] | None], usu
     return _Argument(lambda settings: [*(present(settings) or usual)])
 
 
+def _start_date(settings: Settings) -> str:
+    """The date at which simulated time begins; empty if it is not set."""
+    return "" if settings.start_time is None else datetime.fromtimestamp(settings.start_time, UTC).isoformat()
+
+
+PROPERTIES = "properties"
+#: unit of the properties of the environment
+_PLACES: dict[str, str] = {
+    "longitude": "deg",
+    "latitude": "deg",
+    "altitude": "m",
+    "angle_against_north": "rad",
+    "Temperature": "°C",
+}
+
 _SETTINGS = {
     "set_gravity": _Setting("gravity", {"": _Argument(lambda settings: settings.gravity, "m/s²")}),
     "set_daylight": _Setting("view.daylight", {"": _Argument(lambda one: one.view.daylight, low=0.0, high=1.0)}),
@@ -128,6 +147,14 @@ _SETTINGS = {
     "set_camera_rotation": _Setting(
         "view.camera_rotation", {"": _Argument(lambda one: [*one.view.camera_rotation], "rad")}
     ),
+    "set_camera_speed": _Setting(
+        "view.camera_speed", {"": _Argument(lambda one: one.view.camera_speed, "m/s", low=0.0)}, is_immediate=False
+    ),
+    "set_camera_focal_length": _Setting(
+        "view.camera_focal_length",
+        {"": _Argument(lambda one: one.view.camera_focal_length, "mm", low=0.0)},
+        is_immediate=False,
+    ),
     "simulator_frequency": _Setting(
         "frequency", {"": _Argument(lambda one: one.frequency, "Hz", low=0.1, high=10_000.0)}, is_immediate=False
     ),
@@ -136,6 +163,20 @@ _SETTINGS = {
         {"": _Argument(lambda one: one.time_strategy.name, choices=tuple(one.name for one in TimeStrategies))},
         is_immediate=False,
     ),
+    "set_physics_step_sub": _Setting(
+        "physics_steps", {"": _Argument(lambda one: one.physics_steps, low=1)}, is_immediate=False
+    ),
+    "use_physics_of_1_4": _Setting("physics_of_1_4", {"": _Argument(lambda one: one.physics_of_1_4)}, False),
+    "show_physics": _Setting("view.show_physics", {"": _Argument(lambda one: one.view.show_physics)}, False),
+    "show_framerate": _Setting("view.show_framerate", {"": _Argument(lambda one: one.view.show_framerate)}, False),
+    "show_debug_properties": _Setting(
+        "view.show_debug_properties", {"": _Argument(lambda one: one.view.show_debug_properties)}, False
+    ),
+    "set_seed": _Setting("seed", {"": _Argument(lambda one: one.seed, low=0)}, is_immediate=False),
+    "set_start_date": _Setting("start_time", {"": _Argument(_start_date)}, is_immediate=False),
+    "use_relative_time": _Setting("relative_time", {"": _Argument(lambda one: one.relative_time)}, is_immediate=False),
+    "set_auto_start": _Setting("auto_start", {"": _Argument(lambda one: one.auto_start)}, is_immediate=False),
+    PROPERTIES: _Setting("", {name: _Argument(lambda _: 0.0, unit) for name, unit in _PLACES.items()}, False),
 }
 METHODS = (*_SETTINGS, *SEVERAL)
 """What pages may call."""
@@ -144,6 +185,23 @@ METHODS = (*_SETTINGS, *SEVERAL)
 def is_immediate(method: str) -> bool:
     """Whether a running simulation follows a setting."""
     return method in _SETTINGS and _SETTINGS[method].is_immediate
+
+
+def with_call(calls: Calls, method: str, values: Mapping[str, object], *, remove: bool) -> Calls:
+    """The calls of the environment with one more, or without it.
+
+    Properties are added to those of an earlier call; other values take the place of earlier ones.
+
+    Raises:
+        MorseError: there is no such call to remove.
+    """
+    key = method, str(values.get("", "")) if method in SEVERAL else ""
+    if remove:
+        if key not in calls:
+            raise MorseError(f"{short(method)} was not set in this page: change the script")
+        return {one: call for one, call in calls.items() if one != key}
+    earlier = calls[key].values if method == PROPERTIES and key in calls else {}
+    return {one: call for one, call in calls.items() if one != key} | {key: Call(method, {**earlier, **values})}
 
 
 class LiveSettings:
@@ -194,16 +252,28 @@ def settings_of_world(scene: Scene, own: Iterable[tuple[str, Mapping[str, object
         own: methods and arguments of what pages have called.
     """
     called = dict(own)
-    settings = [_described(method, called.get(method, {}), scene.settings) for method in _SETTINGS]
-    names = [str(values.get("", "")) for method, values in own if method in SEVERAL]
+    given: dict[str, object] = {name: scene.properties.get(name, "") for name in _PLACES}
+    settings = [
+        _described(method, (given if method == PROPERTIES else {}) | dict(called.get(method, {})), scene.settings)
+        for method in _SETTINGS
+    ]
+    names = [(method, str(values.get("", ""))) for method, values in own if method in SEVERAL]
+    settings += [_modifier_of_all(name) for name in sorted(modifier_classes())]
     settings += [
-        SettingDescription("add_default_interface", one.name, one.missing or one.purpose, later=True)
+        SettingDescription(_MIDDLEWARE, one.name, one.missing or one.purpose, later=True)
         for one in installed().values()
         if one.stream_manager
     ]
-    mine = [(method, "") for method in called if method in _SETTINGS] + [("add_default_interface", n) for n in names]
-    scripted = [("add_default_interface", name) for name in scene.interfaces if name not in names]
+    mine = [(method, "") for method in called if method in _SETTINGS] + names
+    scripted = [(_MIDDLEWARE, name) for name in scene.interfaces if (_MIDDLEWARE, name) not in names]
     return ComponentSettings(OWNER, settings, mine, scripted)
+
+
+def _modifier_of_all(name: str) -> SettingDescription:
+    """A modifier of all sensors, with the options of its classes: each kind of sensors has one."""
+    several = [described_modifier(name, path) for path in sorted({*modifier_classes()[name].values()})]
+    arguments = {argument.name: argument for one in several for argument in one.arguments}
+    return SettingDescription(_MODIFIER, name, several[0].doc if several else "", [*arguments.values()], later=True)
 
 
 def _described(method: str, called: Mapping[str, object], settings: Settings) -> SettingDescription:
@@ -212,10 +282,12 @@ def _described(method: str, called: Mapping[str, object], settings: Settings) ->
     arguments = []
     for name, one in setting.arguments.items():
         value = called.get(name, one.present(settings))
+        # an empty field is that of a number that is not given
+        kind = _kind(one.present(settings))
         if isinstance(value, list):
             value = [round(number, 4) for number in value]
         choices = [*one.choices] or None
-        arguments.append(PropertyDescription(name, _kind(value), doc, value, choices, one.unit, one.low, one.high))
+        arguments.append(PropertyDescription(name, kind, doc, value, choices, one.unit, one.low, one.high))
     return SettingDescription(method, "", doc, arguments, later=not setting.is_immediate)
 
 
@@ -241,6 +313,9 @@ def check_world_call(method: str, values: Mapping[str, object], settings: Settin
         raise MorseError(f"'{short(method)}' is not a setting of the environment{nearest(method, list(METHODS))}")
     arguments = _SETTINGS[method].arguments if method in _SETTINGS else {}
     kinds = {name: _kind(one.present(settings)) for name, one in arguments.items()} or {"": "str"}
+    if method == _MODIFIER and (modifier := str(values.get("", ""))) in modifier_classes():  # which checks the values
+        names = [argument.name for argument in _modifier_of_all(modifier).arguments]
+        kinds |= {name: _kind(value) for name, value in values.items() if name in names}
     if not values or not {*values} <= {*kinds}:
         takes = "one value" if {*kinds} == {""} else f"values for {', '.join(kinds)}"
         raise MorseError(f"{method} takes {takes}, not {short(dict(values))}")
@@ -250,7 +325,7 @@ def check_world_call(method: str, values: Mapping[str, object], settings: Settin
     value = values.get("")
     if method == "set_time_strategy" and value not in (choices := [one.name for one in TimeStrategies]):
         raise MorseError(f"the time strategy is {' or '.join(choices)}, not {short(value)}")
-    if method in SEVERAL and value not in installed():
+    if method == _MIDDLEWARE and value not in installed():
         raise MorseError(f"there is no middleware '{short(value)}'{nearest(str(value), list(installed()))}")
     try:
         _called(settings, method, values)
@@ -262,7 +337,9 @@ def _called(settings: Settings, method: str, values: Mapping[str, object]) -> Se
     """The settings of an environment that nobody uses, after a call; what the call leaves is as it was."""
     named = {name: value for name, value in values.items() if name}
     value = values.get("")
-    alone = [] if named else [TimeStrategies[str(value)] if method == "set_time_strategy" else value]
+    alone = (
+        [] if named and "" not in values else [TimeStrategies[str(value)] if method == "set_time_strategy" else value]
+    )
     with describing([]), workspace.described():
         environment = Environment("empty")
         environment.settings.view.mist = copy(settings.view.mist)

@@ -16,7 +16,9 @@ function inParts(name: string): (string | HTMLElement)[] {
   return name.split(/(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=_)/).flatMap((part, i) => (i > 0 ? [h("wbr", {}), part] : [part]));
 }
 
-/** The ranks of a model: its name has the word, its words have it, its description begins a word with it, only its group has it. */
+/** The ranks of a model: its name is the word, begins with it, has it, its words have it, a word of its description begins with it, only its group has it. */
+const IS_NAME = -1;
+const BEGINS = 0;
 const BY_NAME = 1;
 const BY_WORDS = 2;
 const BY_DOC = 3;
@@ -24,7 +26,8 @@ const BY_GROUP = 4;
 
 /** How well a model fits a word that somebody looks for: its name first, then its words, then what it is. */
 function rankOf({ name, group, kind, doc, words }: Model, word: string): number {
-  if (name.toLowerCase().startsWith(word)) return 0;
+  if (name.toLowerCase() === word) return IS_NAME;
+  if (name.toLowerCase().startsWith(word)) return BEGINS;
   // not the file of an object: "door" is in indoors-1
   if (`${name} ${kind.split("#").at(-1) ?? ""}`.toLowerCase().includes(word)) return BY_NAME;
   const all = words.toLowerCase().split(/\W+/);
@@ -33,11 +36,6 @@ function rankOf({ name, group, kind, doc, words }: Model, word: string): number 
   if (place >= 0) return BY_WORDS + place / (place + 1);
   if ([...doc.toLowerCase().split(/\W+/), ...all].some((one) => one.startsWith(word))) return BY_DOC;
   return group.toLowerCase().includes(word) ? BY_GROUP : Infinity;
-}
-
-/** Groups for what somebody looks for: what it does is done by a component, which stands before the robots that may have one. */
-function orderOf({ group }: Model): number {
-  return group === "actuators" ? 0 : group === "sensors" ? 1 : 2;
 }
 
 export interface Placing {
@@ -99,11 +97,13 @@ export class AddPanel {
       return;
     }
     const words = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const rank = (model: Model): number => Math.max(...words.map((word) => rankOf(model, word)), 0);
-    const isNamed = (model: Model): number => Math.min(Math.trunc(rank(model)), BY_WORDS);
+    const rank = (model: Model): number => Math.max(...words.map((word) => rankOf(model, word)), IS_NAME);
+    const named = (model: Model): number => Math.min(Math.trunc(rank(model)), BY_WORDS);
+    // what is looked for by what it does is a component, not a robot that may have one
+    const isRobot = (model: Model): number => (words.length > 0 && model.group === "robots" ? 1 : 0);
     const fitting = this.models
       .filter((model) => rank(model) < Infinity)
-      .sort((a, b) => isNamed(a) - isNamed(b) || (words.length > 0 ? orderOf(a) - orderOf(b) : 0) || rank(a) - rank(b));
+      .sort((a, b) => named(a) - named(b) || isRobot(a) - isRobot(b) || rank(a) - rank(b));
     const better = fitting.filter((model) => rank(model) < BY_GROUP);
     const found = better.length > 0 ? better : fitting;
     const groups = new Map<string, Model[]>();

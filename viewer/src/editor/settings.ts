@@ -3,14 +3,14 @@ import type { ComponentSettings, PropertyDescription, SettingDescription } from 
 import type { Field } from "../panels/field";
 import { makeField, read } from "../panels/field";
 import { write } from "../panels/values";
-import { h, iconButton } from "../ui/dom";
+import { h, iconButton, inline } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { unitText } from "../ui/units";
 
 const TITLES: Record<string, string> = { alter: "add a modifier", add_stream: "add a stream", add_default_interface: "connect all to a middleware" };
 const LATER = "These count when the scene is saved and loaded again (F11):";
 
-/** Frequency, level, realism, modifiers and streams of the selected component: calls that the script gets when it is saved. */
+/** Frequency, level, realism, modifiers and streams of the selected component, colour and physics of an object: calls that the script gets when it is saved. */
 export class SettingsPanel {
   readonly element = h("details", { class: "settings", hidden: true }, h("summary", {}, "settings"));
   private readonly content = h("div", {});
@@ -24,14 +24,17 @@ export class SettingsPanel {
 
   /** The settings of a component; nothing of what cannot be set up. */
   show(component: string | null): void {
-    if (this.component !== (component ?? "")) this.content.replaceChildren();
+    if (this.component !== (component ?? "")) {
+      this.content.replaceChildren();
+      this.element.hidden = true; // until it is known what can be set
+    }
     this.component = component ?? "";
-    this.element.hidden = component === null;
     this.error.hidden = true;
     if (component !== null) this.connection.send({ type: "list_settings", component });
   }
 
   private fill({ settings, own, scripted }: ComponentSettings): void {
+    this.element.hidden = false;
     const of = (method: string): SettingDescription[] => settings.filter((one) => one.method === method);
     const plain = settings.filter(({ method }) => !(method in TITLES));
     const forms = (late: boolean): HTMLElement[] =>
@@ -51,12 +54,19 @@ export class SettingsPanel {
       fields[0]?.addEventListener("change", apply);
       return h("table", { class: "properties", title: setting.doc }, ...rows.map((one) => (one.append(h("td", {}, back ?? "")), one)));
     }
-    return h("details", { class: "setting" }, h("summary", { title: setting.doc }, setting.method), this.body(setting, rows, apply, back));
+    const button = h("button", { type: "button", onclick: apply }, "apply");
+    // a call without values would say nothing
+    const enable = (): void => {
+      button.disabled = setting.arguments.every((argument, i) => isUnchanged(argument, fields[i] as Field));
+      button.title = button.disabled ? "change a value first" : "";
+    };
+    enable();
+    for (const field of fields) field.addEventListener("input", enable);
+    return h("details", { class: "setting" }, h("summary", { title: setting.doc }, setting.method), this.body(setting, rows, button, back));
   }
 
-  private body(setting: SettingDescription, rows: HTMLElement[], apply: () => void, back: HTMLElement | null): HTMLElement {
-    const button = h("button", { type: "button", onclick: apply }, "apply");
-    return h("div", {}, setting.doc !== "" && h("p", { class: "quiet" }, setting.doc), h("table", { class: "properties" }, ...rows), h("div", { class: "tools" }, button, back ?? ""));
+  private body(setting: SettingDescription, rows: HTMLElement[], button: HTMLElement, back: HTMLElement | null): HTMLElement {
+    return h("div", {}, setting.doc !== "" && h("p", { class: "quiet" }, ...inline(setting.doc)), h("table", { class: "properties" }, ...rows), h("div", { class: "tools" }, button, back ?? ""));
   }
 
   /** Those of which a component may have several: what it has, and a list of what can be added. */
@@ -75,7 +85,7 @@ export class SettingsPanel {
       const setting = addable.find(({ name }) => name === select.value);
       const fields = setting?.arguments.map((argument) => makeField(argument, argument.value)) ?? [];
       const rows = setting?.arguments.map((argument, i) => row(argument.name, argument, fields[i] as Field)) ?? [];
-      chosen.replaceChildren(...(setting ? [this.body(setting, rows, () => void this.configure(setting, fields, false), null)] : []));
+      chosen.replaceChildren(...(setting ? [this.body(setting, rows, h("button", { type: "button", onclick: () => void this.configure(setting, fields, false) }, "add"), null)] : []));
     });
     return h("div", { class: "several" }, items.length > 0 && h("ul", {}, ...items), addable.length > 0 && select, chosen);
   }
@@ -85,8 +95,7 @@ export class SettingsPanel {
     setting.arguments.forEach((argument, i) => {
       const field = fields[i];
       // what is as it would be without the argument is not written
-      const isDefault = field instanceof HTMLInputElement && field.type === "checkbox" ? field.checked === argument.value : field?.value === write(argument.value);
-      if (field && (setting.arguments.length === 1 || !isDefault)) values[setting.name === "" && setting.arguments.length === 1 ? "" : argument.name] = read(field, argument.type);
+      if (field && (setting.arguments.length === 1 || !isUnchanged(argument, field))) values[setting.name === "" && setting.arguments.length === 1 ? "" : argument.name] = read(field, argument.type);
     });
     const { component } = this;
     const answer = await this.connection.request({ type: "configure", component, method: setting.method, values, remove });
@@ -94,6 +103,11 @@ export class SettingsPanel {
     this.error.textContent = answer.error;
     if (answer.ok && component === this.component) this.connection.send({ type: "list_settings", component });
   }
+}
+
+/** Whether a field has the value that the argument has without it. */
+function isUnchanged({ value }: PropertyDescription, field: Field): boolean {
+  return field instanceof HTMLInputElement && field.type === "checkbox" ? field.checked === value : field.value === write(value);
 }
 
 /** The only argument of a method needs no name of its own. */

@@ -53,7 +53,8 @@ export class Inspector {
     for (const fields of [this.cells, this.properties, this.commands, this.sliders]) fields.clear();
     this.scan = null;
     const component = this.components.find(name);
-    const settable = this.drives.value && (component?.kind === "sensor" || component?.kind === "actuator" || component?.name === "simulation");
+    // the simulator says what can be set: of objects, those that a page has added
+    const settable = this.drives.value && (!component || ["sensor", "actuator"].includes(component.kind) || component.name === "simulation");
     this.settings.show(settable ? name : null);
     this.watching.set("values", "inspector", component && component.kind !== "service" ? [component.name] : []);
     if (name === null) {
@@ -61,7 +62,10 @@ export class Inspector {
       return;
     }
     const parts: (HTMLElement | null)[] = [component ? this.head(component) : h("h2", {}, name), this.extra(name)];
-    if (component) parts.push(this.data(component), this.propertiesOf(component), this.settings.element, this.services(component));
+    if (!component) {
+      this.settings.element.open = true; // an object has nothing else
+      parts.push(this.settings.element);
+    } else parts.push(this.data(component), this.propertiesOf(component), this.settings.element, this.services(component));
     this.element.replaceChildren(...parts.filter((part): part is HTMLElement => part !== null));
     const live = name === null ? null : this.components.valuesOf(name);
     if (live) this.update(live);

@@ -1,6 +1,6 @@
 import type { Connection } from "../connection/connection";
 import type { TaskPoint } from "../generated/protocol";
-import { h } from "../ui/dom";
+import { h, inline } from "../ui/dom";
 
 /** What is to be done here, such as the task of a lesson, and what has been checked of it. */
 export class TaskPanel {
@@ -38,8 +38,4 @@ function paragraphs(text: string): HTMLElement[] {
     const [before, ...rest] = items;
     return h("div", {}, before?.trim() ? h("p", {}, ...inline(before)) : null, h("ul", {}, ...rest.map((one) => h("li", {}, ...inline(one)))));
   });
-}
-
-function inline(text: string): (string | HTMLElement)[] {
-  return text.replace(/\s+/g, " ").trim().split("`").map((part, i) => (i % 2 === 1 ? h("code", {}, part) : part));
 }

@@ -65,3 +65,8 @@ export function iconButton(icon: string, label: string, onclick: () => void, key
   button.innerHTML = icon;
   return button;
 }
+
+/** Text with code in it, between one or two backquotes, as in docstrings and Markdown. */
+export function inline(text: string): (string | HTMLElement)[] {
+  return text.replace(/\s+/g, " ").trim().split(/`+/).map((part, i) => (i % 2 === 1 ? h("code", {}, part) : part));
+}

@@ -20,6 +20,7 @@ from morse.builder.abstractcomponent import AbstractComponent, find_part
 from morse.builder.assembly.finalise import declare
 from morse.builder.components.actuators_with_parts import PTU
 from morse.builder.components.armatures import end_of
+from morse.builder.components.matter import COMMON_TYPES
 from morse.builder.components.passive import PassiveObject
 from morse.builder.components.robot import Robot, WheeledRobot, connect
 from morse.builder.components.solids import BlenderObject
@@ -121,6 +122,8 @@ def describe_newcomer(
 
 CALLS = ("properties", "frequency", "level", "noise", "delay", "phase", "alter", "add_stream")
 """The methods of components that a kind may call."""
+OBJECT_CALLS = ("color", "set_physics_type", "set_mass", "set_friction", "set_restitution", "set_damping")
+"""The methods of objects that a kind may call."""
 
 #: names of modifiers and middlewares: class paths may be those of any code
 _PLAIN_NAME = re.compile(r"\w+")
@@ -156,6 +159,7 @@ def _configure(component: AbstractComponent, calls: Sequence[str]) -> None:
         raise MorseBuilderError(f"a component gets at most {_MOST_CALLS} calls, not {len(calls)}")
     for line in calls:
         method, arguments, values = _parsed(line)
+        known = OBJECT_CALLS if isinstance(component, (BlenderObject, PassiveObject)) else CALLS
         if method == "properties":
             _check_properties(component, values)
         elif method in ("alter", "add_stream"):
@@ -168,11 +172,13 @@ def _configure(component: AbstractComponent, calls: Sequence[str]) -> None:
             raise MorseBuilderError(
                 f"a component that is spawned is delayed by at most {_LONGEST_DELAY:g} s, not {short(line)}"
             )
-        function = getattr(component, method, None) if method in CALLS else None
+        function = getattr(component, method, None) if method in known else None
         if function is None:
             what = type(component).__name__
-            raise MorseBuilderError(f"'{short(line)}' is not a setting of {what}{nearest(method, CALLS)}")
+            raise MorseBuilderError(f"'{short(line)}' is not a setting of {what}{nearest(method, known)}")
         try:
+            if method == "set_physics_type":
+                checks.choice((*arguments, *values.values(), None)[0], COMMON_TYPES, method)
             function(*arguments, **values)
         except (TypeError, ValueError) as error:
             raise MorseBuilderError(f"{short(line)}: {error}") from None
@@ -438,7 +444,7 @@ def _described_by(text: str) -> Robot:
 
 
 def object_maker(kind: str) -> Callable[[], object]:
-    """As `maker_of`, for a kind that lines with calls may follow: settings of a robot, or ``scale(2.0, 2.0, 1.0)``."""
+    """As `maker_of`, for a kind that lines with calls may follow: settings of a robot or an object, or its scale."""
     own, calls = split_kind(kind)
     make = maker_of(own)
     return partial(_made_with, make, calls) if calls else make

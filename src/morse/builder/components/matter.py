@@ -34,6 +34,9 @@ def set_collision(nodes: Iterable[Node], value: object, what: str) -> None:
             node.body.bounds = bounds
 
 
+COMMON_TYPES = ("STATIC", "RIGID_BODY", "DYNAMIC", "NO_COLLISION", "SENSOR")
+"""The physics types that pages and clients may give to an object."""
+
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
 
 #: physics settings that model files have as properties, and the methods of scripts

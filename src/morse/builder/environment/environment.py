@@ -17,7 +17,7 @@ from morse.builder.components.robot import Robot, WheeledRobot, connect
 from morse.builder.environment.time import TimeMethods
 from morse.builder.environment.view import ViewMethods
 from morse.builder.errors import checks
-from morse.builder.errors.declared import modifier_options, warn_if_misspelled
+from morse.builder.errors.declared import options_of_classes, warn_if_misspelled
 from morse.builder.names import catalog, frames, naming
 from morse.builder.names.part import Strength
 from morse.builder.objects import checked_property
@@ -200,9 +200,8 @@ class Environment(ViewMethods, TimeMethods):
             choices = catalog.modifier_classes()
             hint = checks.suggestion(name, choices) or f"; there are {', '.join(sorted(choices))}"
             raise MorseBuilderError(f"there is no modifier '{name}'{hint}")
-        for classpath in sorted(classpaths):
-            kwargs = modifier_options(classpath, kwargs)
-        self._alterations.append(SensorAlteration(name, kwargs, frames.source_line()))
+        options = options_of_classes(sorted(classpaths), kwargs)
+        self._alterations.append(SensorAlteration(name, options, frames.source_line()))
 
     def when_complete(self, change: Callable[[Scene], object]) -> None:
         """Call a function with the scene, plain data with all names, when the script has described all of it.

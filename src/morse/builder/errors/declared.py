@@ -16,7 +16,7 @@ from morse.core.validation.fields import check_settable, spec_of_option, spec_of
 from morse.middleware import registry
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from morse.core.declarations import Option, Property
     from morse.core.validation.spec import Spec
@@ -179,6 +179,32 @@ def _declared_by_manager(manager: str) -> Mapping[str, Option] | None:
     except MorseBuilderNoComponentError:
         return None
     return options
+
+
+def options_of_classes(classpaths: Sequence[str], values: Mapping[str, object]) -> Options:
+    """Return the options of a modifier that has a class for each kind of sensors: each takes those that it has.
+
+    Args:
+        classpaths: class paths of the modifier.
+        values: options by name.
+
+    Raises:
+        OptionError: a value is not valid, or the name of an option is misspelt. An option that resembles none is left
+            out, with a warning.
+    """
+    found: Options = {}
+    rest = dict(values)
+    for classpath in classpaths:
+        try:
+            known = getattr(load_class(classpath), "options", None)
+        except MorseBuilderNoComponentError:
+            known = None
+        own = {name: value for name, value in values.items() if known is None or name in known}
+        found |= modifier_options(classpath, own)
+        rest = {name: value for name, value in rest.items() if name not in own}
+    for classpath in classpaths:
+        rest = modifier_options(classpath, rest)
+    return found | rest
 
 
 def modifier_options(classpath: str, values: Mapping[str, object]) -> Options:

@@ -160,7 +160,7 @@ def settings_of(
         for modifier, classes in sorted(modifier_classes().items())
         if not names.isdisjoint(classes)
     }
-    settings += [_modifier(modifier, path) for modifier, path in modifiers.items()]
+    settings += [described_modifier(modifier, path) for modifier, path in modifiers.items()]
     direction = "OUT" if declaration.kind == "sensor" else "IN"
     middlewares = [one for one in installed().values() if one.stream_of(cls, direction) is not None]
     settings += [
@@ -192,7 +192,8 @@ def _realism(method: str, present: RealismModel) -> SettingDescription:
     return SettingDescription(method, "", (inspect.getdoc(function) or "").partition("\n")[0], arguments)
 
 
-def _modifier(name: str, classpath: str) -> SettingDescription:
+def described_modifier(name: str, classpath: str) -> SettingDescription:
+    """A modifier with its options."""
     cls = load_class(classpath)
     return SettingDescription("alter", name, inspect.getdoc(cls) or "", _options(getattr(cls, "options", {})))
 
