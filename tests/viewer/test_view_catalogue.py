@@ -56,6 +56,7 @@ FACILITIES = {
     "Forklift",
     "Gate",
     "Lift",
+    "Stairs",
     "Traffic",
     "TrafficLight",
     "Turntable",

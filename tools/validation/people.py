@@ -50,6 +50,15 @@ def figures() -> Iterator[Figure]:
     yield Figure("social force, door of 1 m", "flow, 1/(m s)", 1.25, flow, 0.08, "Weidmann 1993: 1.2 to 1.3")
     yield from contact()
     yield steps()
+    for word, number, published in (("up", 2, 0.610), ("down", 3, 0.694)):
+        yield Figure(
+            f"stairs of 31°, {word}, RiMEA {number}",
+            "speed along the ground, m/s",
+            published,
+            on_stairs(upward=word == "up"),
+            0.02,
+            "Weidmann 1993, of people who walk at 1.34 m/s",
+        )
 
 
 def box(x: float, y: float, u: float, v: float) -> Floats:
@@ -192,3 +201,26 @@ def steps() -> Figure:
         0.03,
         "walk ratio 0.0064 m/(steps/min), Sekiya and Nagasaki 1998",
     )
+
+
+def on_stairs(*, upward: bool) -> float:
+    """Measure the speed along the ground of somebody who walks stairs, m/s."""
+    run = 19 * 0.29
+    plans = [
+        ("(-2.0, 0.0)", "(9, 0, 3.5)"),
+        ("(9.0, 0.0, 3.5)", "(-3, 0)"),
+    ]
+    begin, end = plans[0 if upward else 1]
+    text = (
+        'stairs = Stairs(rise=3.5, tread=0.29)\nupper = Cube("upper")\nupper.scale = (3.0, 3.0, 0.1)\n'
+        "upper.translate(8.51, 0, 3.4)\nupper.static()\npeople = Crowd(count=1, floors=(0.0, 3.5), deviation=0.0)\n"
+        f"people.start(places=[{begin}])\npeople.goals([{end}])\nEnvironment('empty')"
+    )
+    with scene(text) as simulation:
+        places = []
+        for _ in range(60 * 16):
+            simulation.step()
+            places.append(float(simulation.people.data["positions"][0, 0]))
+    inside = [number for number, place in enumerate(places) if 0.5 < place < run - 0.5]
+    way = abs(places[inside[-1]] - places[inside[0]])
+    return way / (_TICK * (inside[-1] - inside[0]))

@@ -159,6 +159,7 @@ from morse.plugins.facilities.builder import Button as Button
 from morse.plugins.facilities.builder import Door as Door
 from morse.plugins.facilities.builder import Gate as Gate
 from morse.plugins.facilities.builder import Lift as Lift
+from morse.plugins.facilities.builder import Stairs as Stairs
 from morse.plugins.facilities.builder import TrafficLight as TrafficLight
 from morse.plugins.facilities.handling import Charger as Charger
 from morse.plugins.facilities.handling import Conveyor as Conveyor
@@ -345,6 +346,7 @@ __all__ = [
     "Sphere",
     "Spot",
     "StabilizedQuadrotor",
+    "Stairs",
     "StarFish450F",
     "SteerForce",
     "StereoUnit",

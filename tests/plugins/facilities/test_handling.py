@@ -319,6 +319,28 @@ def test_states_with_floors_and_boxes_that_are_not_there_are_refused(load: Load,
     assert not simulation.failures
 
 
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e300, 10.5])
+def test_states_of_belts_and_discs_that_no_belt_has_are_refused(load: Load, number: float):
+    """A speed that is none would move what lies on the belt by nothing that is a number."""
+    simulation = load('belt = Conveyor()\ntable = Turntable()\ntable.translate(y=3.0)\nenv = Environment("empty")\n')
+    for name, fields in (("belt", ("speed", "target")), ("table", ("rate", "belt", "angle"))):
+        component = simulation.context.robots[name]
+        own = component.get_state()
+        for field in fields:
+            if field == "rate" and number == 10.5:
+                continue
+            with pytest.raises(StateError, match=f"'{field}' of {name}"):
+                component.set_state(own | {"local_data": own["local_data"] | {field: number}})
+        with pytest.raises(StateError, match="missing"):
+            component.set_state({key: value for key, value in own.items() if key != "local_data"})
+        component.set_state(own)
+    table = simulation.context.robots["table"]
+    with pytest.raises(StateError, match="'_rate' of table"):
+        table.set_state(table.get_state() | {"_rate": math.nan})
+    simulation.step(3)
+    assert not simulation.failures
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [

@@ -22,6 +22,22 @@ people.joins(human, {options})
 Environment("empty")
 """
 
+LIFT = """
+from morse.builder import *
+lift = Lift("lift", levels=(0.0, 3.5), hold=2.0)
+lift.rotate(z=3.14159265)
+upper = Cube("upper")
+upper.scale = (3.0, 3.0, 0.1)
+upper.translate(-4.1, 0, 3.4)
+upper.static()
+human = Human()
+human.translate(-2.5, 0.0, 0.0)
+people = Crowd("people", 2, floors=(0.0, 3.5), deviation=0.0)
+people.start(places=[(-3.2, 0.5), (-3.6, -0.5)])
+people.joins(human, goals=[(-5, 0, 3.5)])
+Environment("empty")
+"""
+
 
 @pytest.fixture
 def load(tmp_path):
@@ -171,3 +187,47 @@ def test_what_is_no_member_is_refused(load):
     for line in ("people.joins(3)", "people.joins(human, goals=[])"):
         with pytest.raises(Exception, match=r"Crowd\.joins"):
             load(more=line).close()
+
+
+def test_followers_ride_in_the_lift_with_their_leader(tmp_path):
+    """The human goes to the upper floor; those who follow it ride in the same cabin, and follow it out."""
+    path = tmp_path / "scene.py"
+    path.write_text(LIFT, "utf-8")
+    with morse.load(path) as sim:
+        assert sim.people.follow("human", 2).result() == [0, 1]
+        lift, together = sim.lift.component.local_data, False
+        for _ in range(45 * 6):
+            sim.step(10)
+            places = sim.people.data["positions"]
+            inside = (np.abs(places[:, 0]) < 1.0) & (np.abs(places[:, 1]) < 0.9)
+            if lift["openness"] == 0.0 and 0.5 < lift["height"] < 3.0:
+                assert inside.all()
+                together = True
+            if (places[:, 2] == 3.5).all() and not inside.any():
+                break
+        sim.step(120)
+        places, here = sim.people.data["positions"], body(sim)[0]
+        assert together
+        assert here[2] == pytest.approx(3.5, abs=0.05)
+        assert here[0] == pytest.approx(-5.0, abs=0.5)
+        apart = np.sort(np.hypot(*(places[:2, :2] - here[:2]).T))
+        assert apart == pytest.approx([1.1, 1.75], abs=0.5)
+        assert [sim.people.ask(k).result()["state"] for k in (0, 1)] == ["follows", "follows"]
+        assert not sim.failures
+
+
+def test_a_leader_that_jumps_about_costs_one_search_for_a_way_in_half_a_second(load, monkeypatch):
+    with load("joined=False", more="people.goals([(0, 3)])") as sim:
+        sim.people.follow("human", 2).result()
+        searches = []
+        ground = type(sim.people.component.ground)
+        search = ground.way_to
+        monkeypatch.setattr(ground, "way_to", lambda *args: searches.append(1) or search(*args))
+        for k in range(60):
+            sim.context.world.objects_by_name["human"].worldPosition = (20.0 * (k % 2) + 0.05 * k, -5.0, 0.0)
+            sim.step()
+        assert 1 <= len(searches) <= 3
+        # they still find it once it stands: 9 m away from one of them
+        sim.step(60 * 9)
+        apart = sim.people.data["positions"][:2, :2] - body(sim)[0][:2]
+        assert np.hypot(*apart.T).min() < 2.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable
 from itertools import islice, pairwise
 from typing import TYPE_CHECKING
@@ -143,6 +144,46 @@ class Lift(Robot):
         cabin += [panel(f"{one} {side}", leaf, _STEEL) for one in doors for side in range(2)]
         for one, place in zip(cabin, lift_places(floors, (depth, width, tall), 0.0, 0.0).tolist(), strict=True):
             one.location = place
+            attach(self.scene_node, one)
+
+
+class Stairs(Robot):
+    """A straight flight of steps; its origin is on the lower floor, in the middle of the edge of the first step.
+
+    Its X axis is the way up. The last step is the edge of the upper floor, which is an object of the scene.
+
+    Args:
+        name: its name, if it differs from the name of the variable that refers to it.
+        rise: height of the upper floor above the lower one, m.
+        width: between the rails, m.
+        tread: depth of a step, m.
+        riser: largest height of a step, m: as many steps as are needed are equally high.
+
+    Raises:
+        ValueError: a number is out of its range.
+    """
+
+    _classpath = "morse.plugins.facilities.robots.stairs.Stairs"
+
+    def __init__(
+        self,
+        name: str | None = None,
+        rise: float = 3.5,
+        *,
+        width: float = 1.5,
+        tread: float = 0.29,
+        riser: float = 0.175,
+    ) -> None:
+        tall = checks.number(rise, "Stairs(rise)", minimum=0.1, maximum=30.0)
+        wide = checks.number(width, "Stairs(width)", minimum=0.6, maximum=50.0)
+        deep = checks.number(tread, "Stairs(tread)", minimum=0.15, maximum=1.0)
+        high = checks.number(riser, "Stairs(riser)", minimum=0.08, maximum=0.4)
+        from morse.plugins.facilities.panels import flight_of_steps
+
+        super().__init__("", name)
+        steps = max(math.ceil(tall / high - 1e-9), 2)
+        self.scene_node.properties.update(Rise=tall, Width=wide, Tread=deep, Steps=steps)
+        for one in flight_of_steps(name or "stairs", tall, steps, deep, wide, (_CABIN, _STEEL)):
             attach(self.scene_node, one)
 
 

@@ -12,8 +12,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from morse.assets.solids import cube, cylinder, polyhedron
+from morse.core.declarations import DataField, data_fields, state_variables
 from morse.core.exceptions import MorseError
 from morse.core.reports.quoting import short
+from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.state import StateError
 from morse.core.validation.arguments import Range
@@ -153,6 +155,42 @@ def cabinet(
     return walls, places[:count][::-1]
 
 
+def flight_of_steps(
+    name: str, rise: float, steps: int, tread: float, width: float, colors: Sequence[Sequence[float]]
+) -> list[Node]:
+    """Return the solid steps and the rails of stairs along the X axis, which nothing moves.
+
+    Args:
+        name: of the stairs.
+        rise: m, of all steps.
+        steps: their number; the last one is the upper floor.
+        tread: m, depth of a step.
+        width: m, between the rails.
+        colors: of the steps and of the rails.
+    """
+    parts = []
+    for number in range(steps - 1):
+        height = rise * (number + 1) / steps
+        box = panel(f"{name} step {number}", (tread, width, height), colors[0])
+        box.location = [(number + 0.5) * tread, 0.0, 0.5 * height]
+        parts.append(box)
+    run = tread * (steps - 1)
+    slope = math.atan2(rise, run)
+    for side, word in ((1.0, "left"), (-1.0, "right")):
+        rail = panel(f"{name} {word} rail", (math.hypot(rise, run), 0.05, 0.06), colors[1])
+        rail.location = [0.5 * run, side * (0.5 * width + 0.025), 0.5 * rise + 0.95]
+        rail.rotation_euler = [0.0, -slope, 0.0]
+        parts.append(rail)
+        for number in range(0, steps - 1, 4):
+            post = panel(f"{name} {word} post {number}", (0.04, 0.04, 0.95), colors[1])
+            bottom = rise * (number + 1) / steps
+            post.location = [(number + 0.5) * tread, side * (0.5 * width + 0.025), bottom + 0.45]
+            parts.append(post)
+    for one in parts:
+        one.body.type = PhysicsType.STATIC
+    return parts
+
+
 class Panels:
     """The panels of a component, in the frame of its node at the start.
 
@@ -258,15 +296,37 @@ class Panels:
         return bool(((a.max(axis=0) >= b.min(axis=0)) & (a.min(axis=0) <= b.max(axis=0))).all())
 
 
-class Facility:
+class Facility(Robot):
     """What does not count as a robot: it does not open doors."""
-
-    local_data: Fields
 
     @service(changes=False)
     def get_local_data(self) -> Fields:
         """The present data."""
         return dict(self.local_data)
+
+    def set_state(self, state: StateData) -> None:
+        """Restore a state; see `Object.set_state`.
+
+        Raises:
+            StateError: a value is missing, or a number is none, or out of the range of its field.
+        """
+        if missing := sorted(self.get_state().keys() - state.keys()):
+            raise StateError(f"'{missing[0]}' of {self.name()} is missing")
+        fields, data = data_fields(type(self)), state.get("local_data")
+        for name, value in data.items() if isinstance(data, dict) else ():
+            if isinstance(value, float) and name in fields and not _is_within(value, fields[name]):
+                raise StateError(f"the field '{name}' of {self.name()} is {value:g}")
+        for name in state_variables(type(self)):
+            value = state.get(name)
+            if isinstance(value, float) and math.isnan(value):
+                raise StateError(f"'{name}' of {self.name()} is {value:g}")
+        super().set_state(state)
+
+
+def _is_within(value: float, field: DataField) -> bool:
+    low = -math.inf if field.low is None else field.low
+    high = math.inf if field.high is None else field.high
+    return low <= value <= high and (math.isfinite(value) or "inf" in field.allow)
 
 
 def stored(owner: object, name: str, text: object, fits: Callable[[Any], object]) -> Any:

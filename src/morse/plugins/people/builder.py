@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 _MOST = 5000
 #: m^2 that a standing person needs: 6 people on 1 m^2
 _ROOM = 1.0 / 6.0
-#: most floors; m between two of them, at least
-_MOST_FLOORS, _STOREY = 20, 2.0
+#: m between two floors, at least
+_STOREY = 2.0
 _MODELS = ("social-force", "orca")
 _ENDS = ("leave", "stay", "repeat", "queue", "sit")
 #: m; an area is at most that far from the origin
@@ -361,12 +361,15 @@ def _size(points: Sequence[Sequence[float]]) -> float:
 
 
 def _floors(heights: Iterable[float]) -> list[float]:
+    # `from morse.builder import *` loads no numpy
+    from morse.plugins.people.floors import MOST_FLOORS
+
     what = "Crowd(floors)"
     if not hasattr(heights, "__iter__") or isinstance(heights, str):
         raise TypeError(f"{what} takes heights such as (0.0, 3.5), got {checks.shown(heights)}")
-    found = [checks.number(one, what, minimum=-_FAR, maximum=_FAR) for one in islice(heights, _MOST_FLOORS + 1)]
-    if not 1 <= len(found) <= _MOST_FLOORS or found[0] != 0.0:
-        raise ValueError(f"{what} takes 1 to {_MOST_FLOORS} heights of which the first is 0, got {found[:5]}")
+    found = [checks.number(one, what, minimum=-_FAR, maximum=_FAR) for one in islice(heights, MOST_FLOORS + 1)]
+    if not 1 <= len(found) <= MOST_FLOORS or found[0] != 0.0:
+        raise ValueError(f"{what} takes 1 to {MOST_FLOORS} heights of which the first is 0, got {found[:5]}")
     if any(upper - lower < _STOREY for lower, upper in pairwise(sorted(found))):
         raise ValueError(f"{what}: floors are at least {_STOREY:g} m above each other, got {found}")
     return found

@@ -302,14 +302,18 @@ class Surroundings:
                 text = f"{self.crowd}.avoids: there is no robot '{name:.80}'{hint}"
                 self.context.complaints.warn(text, text)
         roots: dict[Body, float] = {}
+        stairs = {flight.node for flight in self.floors.flights}
         for name, robot in self.context.robots.items():
             if isinstance(getattr(robot, "walkers", None), Walkers) or name in members:
+                continue
+            if robot.bge_object.node in stairs:
                 continue
             share, body = self.shares.get(name, 1.0), robot.bge_object
             # what only owns others, such as the panels of a door, is nothing of its own
             panels = [node for node in body.node.walk() if is_placed(node)]
             roots |= dict.fromkeys([world.object_of(node) for node in panels] if panels else [body], share)
         nodes = {body.node for body in roots}
+        nodes |= stairs
         nodes |= {self.context.robots[name].bge_object.node for name in members if name in self.context.robots}
         stack = list(self.context.scene.roots)
         while stack:
@@ -413,7 +417,8 @@ class Surroundings:
         contacts: list[dict[str, Any]] = []
         alive: dict[str, tuple[float, float, float]] = {}
         present = np.flatnonzero(walkers.present[: len(heights)])
-        floor, shift = self.floors.heights[area[present]], self.floors.shift[area[present]]
+        heights_of_floors = self.floors.heights_of(walkers.position, area)
+        floor, shift = heights_of_floors[present], self.floors.shift[area[present]]
         for mover in self.movers():
             place, _ = mover.body.world_pose()
             outer = float(np.sqrt((mover.print.outline**2).sum(axis=1)).max())
@@ -425,8 +430,9 @@ class Surroundings:
                 rides = (area[present] >= self.floors.count) & is_placed(mover.body.node)
                 near &= (place[2] + mover.print.low - floor < HEIGHT) & (place[2] + mover.print.high > floor) & ~rides
             for person in present[near].tolist():
+                below = float(heights_of_floors[person])
                 contact = self._contact(
-                    mover, person, int(area[person]), walkers, float(heights[person]), touching, alive
+                    mover, person, int(area[person]), below, walkers, float(heights[person]), touching, alive
                 )
                 if contact is not None:
                     contacts.append(contact)
@@ -439,6 +445,7 @@ class Surroundings:
         mover: Mover,
         person: int,
         area: int,
+        floor: float,
         walkers: Walkers,
         tall: float,
         before: Mapping[str, tuple[float, float, float]],
@@ -446,7 +453,6 @@ class Surroundings:
     ) -> dict[str, Any] | None:
         body, seconds = mover.body, 1.0 / self.context.clock.frequency
         place, turn = body.world_pose()
-        floor = float(self.floors.heights[area])
         met = regions(place[2] + mover.print.low - floor, place[2] + mover.print.high - floor, tall)
         if not met:
             return None

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.plugins.people.wayfinding import Link
+from morse.plugins.people.stairs import SLOW, Stairs, flights, layers
+from morse.plugins.people.wayfinding import Ground, Link
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.plugins.people.wayfinding import Ground
     from morse.scene import Node, Scene
 
     Floats = NDArray[np.float64]
@@ -131,8 +131,10 @@ class Floors:
     Attributes:
         count: F, number of floors.
         shafts: lifts between them.
-        heights: (A,) m, of floors, and of cabins, which change.
-        shift: (A, 2) m, from the world to the part of the plane of each floor and each cabin.
+        flights: stairs between them.
+        stairs: the people on these.
+        heights: (A,) m, of floors, of cabins, which change, and of the lower ends of stairs.
+        shift: (A, 2) m, from the world to the part of the plane of each floor, each cabin and each flight of stairs.
     """
 
     def __init__(self, heights: Sequence[float], scene: Scene) -> None:
@@ -140,13 +142,22 @@ class Floors:
         self.count = len(floors)
         found = [_shaft(one.node, floors) for one in scene.components] if self.count > 1 else []
         self.shafts = [one for one in found if one is not None]
-        self.heights = np.concatenate([floors, [float(one.place[2]) for one in self.shafts]])
+        self.flights = flights(scene, floors) if self.count > 1 else []
+        self._layers = layers(self.flights)
+        #: number of the parts of the plane that have a ground: floors, and stairs
+        self.grounds = self.count + max(self._layers, default=-1) + 1
+        places = [float(one.place[2]) for one in self.shafts] + [float(one.place[2]) for one in self.flights]
+        self.heights = np.concatenate([floors, places])
         self.shift = np.zeros((len(self.heights), 2))
+        self.stairs = Stairs(self.flights, self.count + len(self.shafts), self.shift)
         self._low, self._high = np.full(2, -np.inf), np.full(2, np.inf)
 
     def spread(self, breadth: float, low: Floats, high: Floats) -> None:
         """Set how far the floors are from each other on the plane, and the corners (2,) of each of them, m."""
-        self.shift[:, 0] = breadth * np.arange(len(self.shift))
+        cabins = self.grounds + np.arange(len(self.shafts))
+        self.shift[:, 0] = breadth * np.concatenate(
+            [np.arange(self.count), cabins, self.count + np.array(self._layers, dtype=np.intp)]
+        )
         if self.count > 1:
             self._low, self._high = low, high
 
@@ -179,13 +190,27 @@ class Floors:
         return np.asarray(((points >= self._low) & (points <= self._high)).all(axis=1))
 
     def walls(self, floor: int) -> list[Floats]:
-        """Return the walls (V, 2) of lifts on a floor, m in the world."""
+        """Return the walls (V, 2) of lifts and stairs on a floor, m in the world."""
         height = self.heights[floor]
         high = [one for one in self.shafts if one.levels[0] - _SAME < height < one.levels[-1] + 2.0]
-        return [wall for one in high for wall in one.walls(floor)]
+        stairs = [wall for one in self.flights for wall in one.walls(floor, self.heights[: self.count])]
+        return [wall for one in high for wall in one.walls(floor)] + stairs
+
+    def more_grounds(self, low: Floats, high: Floats, radius: float) -> list[Ground]:
+        """Return the grounds of stairs, beside those of the floors: see `Ground`."""
+        found = []
+        for layer in range(self.grounds - self.count):
+            here = [one for one, own in zip(self.flights, self._layers, strict=True) if own == layer]
+            walls = [wall for one in here for wall in one.own_walls()]
+            found.append(Ground(walls, low, high, radius, self.grounds, SLOW))
+        return found
+
+    def heights_of(self, position: Floats, area: Indices) -> Floats:
+        """Return the heights (N,) in the world of people at places (N, 2) of parts (N,) of the plane, m."""
+        return np.asarray(self.heights[area] + self.stairs.heights(position, area))
 
     def connect(self, ground: Ground) -> None:
-        """Let the ways of a ground, which has all floors, lead through lifts."""
+        """Let the ways of a ground, which has all floors, lead through lifts and over stairs."""
         for shaft in self.shafts:
             cells = [
                 ground.cell_at(shaft.place[:2] + self.shift[floor]) if stop >= 0 else -1
@@ -196,6 +221,7 @@ class Floors:
             costs = _SPEED * (_STOP + rises)
             np.fill_diagonal(costs, 0.0)
             ground.links.append(Link(np.array([cells[floor] for floor in floors], dtype=np.intp), costs))
+        self.stairs.connect(ground)
 
 
 def spots(shaft: Shaft, ground: Ground, shift: Floats) -> Floats:

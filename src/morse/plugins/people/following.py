@@ -19,6 +19,8 @@ _PITCH, _MOST, MOST_LEADERS = 0.25, 400, 16
 _BEHIND, _APART = 1.1, 0.65
 #: m: who is that near to a trail walks along it; and is on it
 NEAR, _BESIDE = 1.5, 0.5
+#: ticks after which people who are far from a trail look where it begins
+SEEKS = 30
 #: m: a leader that moves farther in a tick was put elsewhere
 _JUMP = 2.0
 

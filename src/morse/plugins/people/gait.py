@@ -18,6 +18,8 @@ from morse.mathutils import portable
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.plugins.people.stairs import Steps
+
     Floats = NDArray[np.float64]
 
 #: share of the height of a body up to the hip (Drillis and Contini 1966)
@@ -79,13 +81,16 @@ class Gait:
         width = _HALF_WIDTH / 1.72 * self.height[rows]
         return left * width[:, None]
 
-    def step(self, seconds: float, position: Floats, velocity: Floats, facing: Floats) -> None:
+    def step(
+        self, seconds: float, position: Floats, velocity: Floats, facing: Floats, steps: Steps | None = None
+    ) -> None:
         """Walk for some time.
 
         Args:
             position: (N, 2) m, after that time.
             velocity: (N, 2) m/s.
             facing: (N, 2) where those look who stand; 0 for no change.
+            steps: below those who are on stairs: each of them takes one after the other.
         """
         speed = np.sqrt((velocity * velocity).sum(axis=1))
         # people walk forwards where they can: they turn by at most 3 rad/s
@@ -93,6 +98,8 @@ class Gait:
         aim = np.where((speed > 0.3)[:, None], velocity, facing)
         self._turn(aim, 3.0 * seconds)
         length = np.sqrt(_WALK_RATIO * np.maximum(speed, 0.2)) * np.sqrt(self.height / 1.72)
+        if steps is not None:
+            length = np.where(np.isnan(steps.tread), length, steps.tread)
         begins = walks & self.stands
         self.stride[begins] = length[begins]
         before = np.floor(self.phase)
@@ -104,7 +111,8 @@ class Gait:
         if len(landed):
             # the foot that was in the air is put down half a step ahead
             foot = (np.floor(self.phase[landed]).astype(np.intp)) % 2
-            self.feet[landed, foot] = self._landing(landed, foot, position, velocity)
+            points = self._landing(landed, foot, position, velocity)
+            self.feet[landed, foot] = points if steps is None else steps.landing(landed, points)
             self.stride[landed] = length[landed]
         stopped = np.flatnonzero(~walks & ~self.stands)
         if len(stopped):
@@ -140,7 +148,13 @@ class Gait:
         self.heading = turned / np.sqrt((turned * turned).sum(axis=1))[:, None]
 
     def poses(
-        self, position: Floats, velocity: Floats, present: NDArray[np.bool_], offset: Floats, sits: NDArray[np.bool_]
+        self,
+        position: Floats,
+        velocity: Floats,
+        present: NDArray[np.bool_],
+        offset: Floats,
+        sits: NDArray[np.bool_],
+        steps: Steps | None = None,
     ) -> tuple[Floats, Floats]:
         """Return positions (N + 2 L, 3) and quaternions (N + 2 L, 4) of trunks, left legs and right legs.
 
@@ -152,6 +166,7 @@ class Gait:
             present: (N,) who is in the world.
             offset: (N, 3) m, from the plane on which people walk to the world.
             sits: (N,) who sits.
+            steps: below those who are on stairs.
         """
         yaw = _turned(self.heading[:, 0], self.heading[:, 1])
         hip = np.zeros(len(position))
@@ -168,6 +183,10 @@ class Gait:
         apart = feet[each, supporting] - hips[each, supporting]
         height = np.sqrt(np.maximum(leg * leg - (apart * apart).sum(axis=1), 0.25 * leg * leg))
         height = np.where(self.stands[walkers], leg, height)
+        if steps is not None:
+            # hips move along the slope, and are so low that the leg reaches the step behind
+            low = np.sqrt(leg * leg - steps.half[walkers] ** 2) - steps.bend[walkers]
+            height += steps.share[walkers] * (low - height)
         seated = sits[walkers]
         height = np.where(seated, _SEAT * self.height[walkers], height)
         reach = np.sqrt(leg * leg - height * height) * seated
@@ -176,6 +195,7 @@ class Gait:
         length = self.stride[walkers]
         for side in (0, 1):
             foot, lift = feet[:, side].copy(), np.zeros(len(walkers))
+            rise = np.zeros(len(walkers)) if steps is None else steps.rises(walkers, feet[:, side])
             foot[seated] = (hips[:, side] + reach[:, None] * self.heading[walkers])[seated]
             swings = (supporting != side) & ~self.stands[walkers] & ~seated
             if swings.any():
@@ -184,9 +204,12 @@ class Gait:
                 way = velocity[walkers[rows]] / np.maximum(speed[rows], 1e-9)[:, None]
                 goal = hips[rows, side] + way * (rest + 0.5 * length[rows])[:, None]
                 smooth = share[rows] * share[rows] * (3.0 - 2.0 * share[rows])
+                if steps is not None:
+                    goal = steps.landing(walkers[rows], goal)
+                    rise[rows] += smooth * (steps.rises(walkers[rows], goal) - rise[rows])
                 foot[rows] = feet[rows, side] + smooth[:, None] * (goal - feet[rows, side])
                 lift[rows] = _LIFT * self.height[walkers[rows]] / 1.72 * 4.0 * share[rows] * (1.0 - share[rows])
-            place, turn = _leg(hips[:, side], height, foot, lift, leg, self.heading[walkers])
+            place, turn = _leg(hips[:, side], height, foot, lift + rise, leg, self.heading[walkers])
             parts_p.append(place)
             parts_q.append(turn)
         trunk = np.stack([position[:, 0], position[:, 1], hip], axis=1)

@@ -123,23 +123,27 @@ class Plan:
         points: list[Floats] = [np.array(flow["area"])[:, :2] for flow in self.flows]
         points += [np.atleast_2d(goal)[:, :2] for flow in self.flows for goal in self._places(flow)]
         points += [shaft.world(shaft.slots) for shaft in self._floors.shafts]
+        points += [wall for flight in self._floors.flights for wall in flight.own_walls()]
         every = np.concatenate(points) if self.tracks is None else np.stack([self.tracks.low, self.tracks.high])
         low, high = every.min(axis=0) - _AROUND, every.max(axis=0) + _AROUND
         if float((high - low).max()) > 2000.0:
             raise MorseError(f"{self._name}: starts and goals are {(high - low).max():.0f} m apart: at most 2000 m")
+        stairs = {flight.node for flight in self._floors.flights}
         robots = {declaration.node for declaration in self._context.scene.components if declaration.kind != "sensor"}
         fixed: list[Node] = []
         loose: list[Node] = []
         stack = [(root, False) for root in self._context.scene.roots]
         while stack:
             node, moves = stack.pop()
+            if node in stairs:
+                continue  # the floors know where nobody walks there
             moves |= node in robots or node.body.moves or node.body.type is PhysicsType.KINEMATIC
             if node.body.collides:
                 (loose if moves else fixed).append(node)
             stack += [(child, moves) for child in node.children]
         heights = self._floors.heights[: self._floors.count].tolist()
         grounds = [
-            Ground([*walls(fixed, one), *self._floors.walls(floor)], low, high, radius, len(heights))
+            Ground([*walls(fixed, one), *self._floors.walls(floor)], low, high, radius, self._floors.grounds)
             for floor, one in enumerate(heights)
         ]
         self._floors.spread(grounds[0].breadth, low, high)
@@ -149,7 +153,7 @@ class Plan:
             for outline in walls(loose, one, _FLAT)
             if len(heights) == 1 or self._floors.within(outline).any()
         ]
-        ground = Ground.beside(grounds)
+        ground = Ground.beside([*grounds, *self._floors.more_grounds(low, high, radius)])
         self._floors.connect(ground)
         for flow in self.flows:
             if "begin" in flow:  # the robot of a member stands on the floor below it
@@ -214,7 +218,7 @@ class Plan:
             raise MorseRPCInvokationError(f"{self._name} has the floors 0 to {self._floors.count - 1}, not {floor}")
         shape = self.ground.shape
         low = self.ground.origin
-        high = low + self.ground.cell * (np.array([shape[1] // self._floors.count, shape[0]]) - 1)
+        high = low + self.ground.cell * (np.array([shape[1] // self.ground.parts, shape[0]]) - 1)
         if not (low[0] <= x <= high[0] and low[1] <= y <= high[1]):
             raise MorseRPCInvokationError(
                 f"({x:g}, {y:g}) is outside the ground of {self._name}: x {low[0]:g} to {high[0]:g} m, "

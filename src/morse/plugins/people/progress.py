@@ -9,7 +9,7 @@ import numpy as np
 
 from morse.plugins.people.agenda import ARRIVED, ARRIVES, FOLLOWS, GONE, QUEUES, SENT, SITS, STOPPED, WAITS, WALKS
 from morse.plugins.people.errands import HERE, NEVER, STANDS_UP, steps_to
-from morse.plugins.people.following import aims, note
+from morse.plugins.people.following import SEEKS, aims, note
 from morse.plugins.people.walking import length
 
 if TYPE_CHECKING:
@@ -44,14 +44,12 @@ def advance(plan: Plan, agenda: Agenda, walkers: Walkers, now: float) -> None:
             rows = np.flatnonzero(mine & (agenda.mode == WALKS) & (agenda.stage == stage))
             is_counter = flow["then"] == "queue" and stage == count - 2
             if is_counter:
-                agenda.stand_in_line(
-                    flow["queue"], rows, plan.ground.time(way, walkers.position[rows]), mine, walkers.position, now
-                )
+                agenda.stand_in_line(flow["queue"], rows, walkers.time_on(way, rows), mine, walkers.position, now)
             is_seat = flow["then"] == "sit" and stage < count - 1
             if is_counter or not (len(rows) or is_seat):
                 continue
             there = mine & (agenda.stage == stage) & np.isin(agenda.mode, (WAITS, ARRIVED, SITS))
-            left = plan.ground.time(way, walkers.position[rows])
+            left = walkers.time_on(way, rows)
             # those who come and those who are there have room side by side: 2.6 people on a square metre
             crowded = int(there.sum()) + (0 if is_seat else int((left < _CROWDED).sum()) - 1)
             rows = rows[left < ARRIVES + 0.35 * math.sqrt(max(crowded, 0))]
@@ -95,7 +93,7 @@ def look_ahead(plan: Plan, agenda: Agenda, walkers: Walkers) -> None:
         for stage, way in enumerate(flow["ways"]):
             rows = np.flatnonzero((agenda.flow == number) & (agenda.mode == WALKS) & (agenda.stage == stage))
             if len(rows):
-                wanted[rows] = plan.ground.heading(way, position[rows])
+                wanted[rows] = walkers.heading_on(way, rows)
     queues, sits = np.flatnonzero(agenda.mode == QUEUES), np.flatnonzero(agenda.mode == SITS)
     wanted[queues] = steps_to(position[queues], agenda.target[queues])
     # seated people look to where they came from
@@ -108,9 +106,9 @@ def look_ahead(plan: Plan, agenda: Agenda, walkers: Walkers) -> None:
         if found is None:
             agenda.mode[rows] = STOPPED
             continue
-        arrived = plan.ground.time(found, position[rows]) < ARRIVES + 0.35 * math.sqrt(len(rows) - 1.0)
+        arrived = walkers.time_on(found, rows) < ARRIVES + 0.35 * math.sqrt(len(rows) - 1.0)
         agenda.mode[rows[arrived]] = STOPPED
-        wanted[rows[~arrived]] = plan.ground.heading(found, position[rows[~arrived]])
+        wanted[rows[~arrived]] = walkers.heading_on(found, rows[~arrived])
 
 
 def follow_leaders(
@@ -118,6 +116,8 @@ def follow_leaders(
     agenda: Agenda,
     walkers: Walkers,
     trails: Trails,
+    sought: Trails,
+    tick: int,
     place_of: Callable[[str], tuple[float, float] | None],
 ) -> None:
     """Set where those want to go who follow a leader.
@@ -127,9 +127,13 @@ def follow_leaders(
         agenda: what people do.
         walkers: people; their ``wanted`` is set.
         trails: of the leaders; their present places are added.
+        sought: one place of each leader, m, to which those go who are far from its trail; set.
+        tick: number of the tick.
         place_of: returns the place of a leader on the plane, m; None if it is not there.
     """
     position, wanted = walkers.position, walkers.wanted
+    # a leader that jumps about costs one search for a way in that time, and so do all leaders together
+    turn = tick // SEEKS % max(len(trails), 1) if tick % SEEKS == 0 else -1
     for number, (name, trail) in enumerate(trails.items()):
         place = place_of(name)
         rows = np.flatnonzero((agenda.mode == FOLLOWS) & (agenda.leader == number))
@@ -141,6 +145,8 @@ def follow_leaders(
         near = np.isfinite(targets[:, 0])
         wanted[rows[near]] = steps_to(position[rows[near]], targets[near])
         far = rows[~near]
-        way = plan.way_to(list(trail[0])) if len(far) else None
+        if number == turn or name not in sought:
+            sought[name] = [trail[0]]
+        way = plan.way_to(list(sought[name][0])) if len(far) else None
         if way is not None:
-            wanted[far] = plan.ground.heading(way, position[far])
+            wanted[far] = walkers.heading_on(way, far)

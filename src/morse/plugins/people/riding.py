@@ -8,10 +8,10 @@ import numpy as np
 
 from morse.plugins.people.errands import steps_to
 from morse.plugins.people.floors import Floors, Shaft, spots
-from morse.plugins.people.wayfinding import distance_to
+from morse.plugins.people.wayfinding import HEIGHT, distance_to
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -88,7 +88,7 @@ class Riding:
         shafts = self._floors.shafts
         most = max((len(one.slots) for one in shafts), default=0)
         return {
-            "area": (0, self._floors.count + len(shafts) - 1),
+            "area": (0, len(self._floors.heights) - 1),
             "ride": (0, len(WORDS) - 1),
             "lift": (-1, len(shafts) - 1),
             "slot": (-1, most - 1),
@@ -102,11 +102,13 @@ class Riding:
             ((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in self._bounds().items()
         ):
             return False
+        stairs = count + len(self._floors.shafts)
         # the last one is of those without a lift, who have none
         places = np.array([*(len(one.slots) for one in self._floors.shafts), 0])
         return bool(
             ((people["ride"] == ON_FOOT) == (lift < 0)).all()
-            and ((area < count) | ((area == count + lift) & (people["ride"] == ABOARD))).all()
+            and ((area < count) | (area >= stairs) | ((area == count + lift) & (people["ride"] == ABOARD))).all()
+            and (people["ride"][area >= stairs] == ON_FOOT).all()
             and (slot < places[lift]).all()
         )
 
@@ -121,6 +123,7 @@ class Riding:
         self,
         walkers: Walkers,
         walks: NDArray[np.bool_],
+        led: Indices,
         way_of: Callable[[int], Way | None],
         move: Callable[[Indices, int], None],
     ) -> None:
@@ -128,7 +131,8 @@ class Riding:
 
         Args:
             walkers: people.
-            walks: (N,) who is on the way to a goal.
+            walks: (N,) who is on the way to a goal, or to a leader.
+            led: (N,) lift in which the leader of each of them stands, who go and stay there, too; -1 for none.
             way_of: returns the way of a person.
             move: puts people to another part of the plane.
         """
@@ -143,9 +147,9 @@ class Riding:
             places = shaft.local(walkers.position - self._floors.shift[self.area])
             if data["openness"] == 0.0:
                 self.opened[number] = self._context.clock.time
-                self._shut(number, shaft, places, move)
-            self._ride(number, shaft, cabin, floor, walks, way_of, move)
-            self._wait(number, shaft, cabin, floor, walkers, walks & walkers.present, way_of)
+                self._shut(number, shaft, data["level"], walkers.present, places, move)
+            self._ride(number, shaft, cabin, floor, walks & (led != number), way_of, move)
+            self._wait(number, shaft, cabin, floor, walkers, walks & walkers.present, led == number, way_of)
             places = shaft.local(walkers.position - self._floors.shift[self.area])
             if floor >= 0:
                 self._board(number, shaft, cabin, floor, walkers, places)
@@ -159,10 +163,24 @@ class Riding:
         if ride in (ON_FOOT, WAITS, LEAVES):
             self.slot[rows] = -1
 
-    def _shut(self, number: int, shaft: Shaft, places: Floats, move: Callable[[Indices, int], None]) -> None:
+    def _shut(
+        self,
+        number: int,
+        shaft: Shaft,
+        level: int,
+        present: NDArray[np.bool_],
+        places: Floats,
+        move: Callable[[Indices, int], None],
+    ) -> None:
         """Let those ride who are in the cabin when the doors are closed, and the others stay where they are."""
+        on_floor = self.area < self._floors.count
+        within = (np.abs(places) < 0.5 * np.array([shaft.depth, shaft.width])).all(axis=1)
+        # who has walked into the cabin without a goal elsewhere, behind a leader
+        strays = present & on_floor & (self.ride == ON_FOOT) & within
+        strays &= shaft.stops[np.where(on_floor, self.area, 0)] == level
+        self._set(np.flatnonzero(strays), ABOARD, number)
         rows = self._rows(number, BOARDS, ABOARD, LEAVES)
-        rows = rows[self.area[rows] < self._floors.count]
+        rows = rows[on_floor[rows]]
         if not len(rows):
             return
         inside = places[rows, 0] < 0.5 * shaft.depth
@@ -196,7 +214,7 @@ class Riding:
     def _stops(self, number: int) -> Indices:
         """Return the floors of the cells of the link of a lift."""
         link, width = self._ground.links[number], self._ground.shape[1]
-        floors: Indices = (link.cells % width) // (width // self._floors.count)
+        floors: Indices = (link.cells % width) // (width // self._ground.parts)
         return floors
 
     def _exit(self, number: int, way: Way) -> int:
@@ -228,9 +246,10 @@ class Riding:
         floor: int,
         walkers: Walkers,
         walks: NDArray[np.bool_],
+        led: NDArray[np.bool_],
         way_of: Callable[[int], Way | None],
     ) -> None:
-        """Let people come whose way leads through the lift, and call it."""
+        """Let people come whose way leads through the lift, or whose leader is in it, and call it."""
         near = walkers.position - self._floors.shift[self.area] - shaft.place[:2]
         reach = _JOINS + shaft.depth
         mine = (self.lift == number) & (self.ride == WAITS)
@@ -241,8 +260,10 @@ class Riding:
         )
         self._set(np.flatnonzero(mine & ~walks), ON_FOOT, -1)
         for row in rows.tolist():
-            way = way_of(row)
-            comes = way is not None and self._leads_through(number, shaft, row, way, walkers, is_there=bool(mine[row]))
+            comes = bool(led[row] and self.area[row] == floor)
+            way = None if comes else way_of(row)
+            if way is not None:
+                comes = self._leads_through(number, shaft, row, way, walkers, is_there=bool(mine[row]))
             if comes and not mine[row]:
                 self._set(np.array([row]), WAITS, number)
                 self.turn[row] = self.turn.max(initial=0) + 1
@@ -346,13 +367,29 @@ class Riding:
 
     def forget(self, person: int) -> None:
         """Let a person have nothing to do with lifts, who is on the floor where the cabin is if it was aboard."""
-        if self.area[person] >= self._floors.count:
+        if self.is_carried()[person]:
             self.area[person] = self._floors.floor_of(float(self._floors.heights[self.area[person]]))
         self._set(np.array([person]), ON_FOOT, -1)
 
+    def cabin_at(self, place: Sequence[float]) -> int:
+        """Return the number of the lift in whose cabin a place (3,) of the world is, m; -1 if it is in none."""
+        for number, shaft in enumerate(self._floors.shafts):
+            (x, y), rise = shaft.local(np.array([place[:2]]))[0].tolist(), place[2] - self._cabin_height(number)
+            if abs(x) < 0.5 * shaft.depth and abs(y) < 0.5 * shaft.width and -_INSIDE < rise < HEIGHT:
+                return number
+        return -1
+
+    def _cabin_height(self, number: int) -> float:
+        return float(self._floors.heights[self._floors.count + number])
+
     def carried(self) -> Indices:
         """Return who stands in a cabin whose doors are closed."""
-        return np.flatnonzero(self.area >= self._floors.count)
+        return np.flatnonzero(self.is_carried())
+
+    def is_carried(self) -> NDArray[np.bool_]:
+        """Return (N,) who stands in a cabin whose doors are closed."""
+        count = self._floors.count
+        return np.asarray((self.area >= count) & (self.area < count + len(self._floors.shafts)))
 
     def speeds(self) -> Floats:
         """Return the vertical speeds (N,) of people, m/s."""

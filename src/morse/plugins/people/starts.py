@@ -158,7 +158,7 @@ class Starts:
         for number, flow in enumerate(self._plan.flows):
             rows = np.flatnonzero((self._agenda.flow == number) & self._walkers.present)
             for way in flow["ways"]:
-                lost[rows] |= np.isinf(self._plan.ground.time(way, self._walkers.position[rows]))
+                lost[rows] |= np.isinf(self._walkers.time_on(way, rows))
             if len(rows) and lost[rows].all() and not flow.get("is_own"):
                 raise MorseError(
                     f"{self._name}: nobody can reach {flow['goals']!r:.120} from {flow['area']!r:.120}: walls are "

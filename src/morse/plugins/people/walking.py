@@ -31,7 +31,7 @@ from morse.mathutils import portable
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.plugins.people.wayfinding import Ground
+    from morse.plugins.people.wayfinding import Ground, Way
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
@@ -103,6 +103,8 @@ _SIGHT = 3.0
 _TURNS = tuple((math.cos(a), math.sin(a)) for k in range(1, 8) for a in (-k * math.radians(12), k * math.radians(12)))
 #: m, cut-off of the repulsion: beyond it, it is below 1 % of gravity even at full speed
 _REACH = 2.5
+#: m: members of groups that are farther from their middle are on another floor, or lost
+_APART = 30.0
 _TINY = 1e-9
 
 
@@ -120,6 +122,15 @@ class Others:
     velocity: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     radius: Floats = field(default_factory=lambda: np.zeros(0))
     seen: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
+
+    def joined(self, more: Others) -> Others:
+        """Return these bodies and others."""
+        return Others(
+            np.concatenate([self.position, more.position]),
+            np.concatenate([self.velocity, more.velocity]),
+            np.concatenate([self.radius, more.radius]),
+            np.concatenate([self.seen, more.seen], axis=1),
+        )
 
 
 class Pairs(NamedTuple):
@@ -210,6 +221,7 @@ class Walkers:
         leave: (N, 2) m/s, at which people are moved out of what they stand in, in the next step; 0 for the others.
         lag: s until ORCA has new velocities.
         planned: (N, 2) m/s, that ORCA has chosen.
+        level: (N,) who takes no stairs.
     """
 
     ground: Ground
@@ -225,6 +237,7 @@ class Walkers:
     leave: Floats
     lag: float = 0.0
     planned: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    level: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     @classmethod
     def at(
@@ -245,7 +258,22 @@ class Walkers:
             np.zeros((count, 2)),
             np.zeros((count, 2)),
             planned=np.zeros((count, 2)),
+            level=np.zeros(count, dtype=bool),
         )
+
+    def time_on(self, way: Way, rows: Indices) -> Floats:
+        """Return the lengths (R,) of the ways of some walkers, m; infinite where there is none."""
+        time = self.ground.time(way, self.position[rows])
+        if way.level is None:
+            return time
+        return np.where(self.level[rows], self.ground.time(way.level, self.position[rows]), time)
+
+    def heading_on(self, way: Way, rows: Indices) -> Floats:
+        """Return the unit vectors (R, 2) in which some walkers go on a way; 0 where it ends, or where there is none."""
+        heading = self.ground.heading(way, self.position[rows])
+        if way.level is None:
+            return heading
+        return np.where(self.level[rows, None], self.ground.heading(way.level, self.position[rows]), heading)
 
     def step(self, seconds: float, model: SocialForce | Orca, others: Others | None = None) -> None:
         """Walk for some time."""
@@ -409,7 +437,8 @@ class Walkers:
         turn = np.maximum(angle - 0.5 * np.pi, 0.0)
         total[members] -= (model.gaze * turn)[:, None] * self.velocity[members]
         away = length(to_centre)
-        pull = np.where((away > 0.5 * (size[which] - 1.0)) & (size[which] > 1.0), model.attraction, 0.0)
+        # those on another floor are far away on the plane
+        pull = np.where((away > 0.5 * (size[which] - 1.0)) & (away < _APART), model.attraction, 0.0)
         total[members] += (pull / np.maximum(away, _TINY))[:, None] * to_centre
         i, j = neighbours(self.position[members], 0.8)
         same = which[i] == which[j]

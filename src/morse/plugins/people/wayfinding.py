@@ -138,10 +138,12 @@ class Way(NamedTuple):
     Attributes:
         time: (H, W) m, the length of the way where it is wide; infinite where there is none.
         direction: (H, W, 2) unit vectors; 0 at the goal, and where there is no way.
+        level: the way without stairs; None if it is the same.
     """
 
     time: Floats
     direction: Floats
+    level: Way | None = None
 
 
 class Link(NamedTuple):
@@ -150,10 +152,12 @@ class Link(NamedTuple):
     Attributes:
         cells: (S,) numbers of cells of the grid.
         costs: (S, S) m, ways that last as long.
+        is_level: whether those may go there who take no stairs.
     """
 
     cells: NDArray[np.intp]
     costs: Floats
+    is_level: bool = True
 
 
 class Ground:
@@ -164,6 +168,7 @@ class Ground:
         low, high: corners (2,) of the area, m.
         radius: m, of those who walk.
         floors: number of grounds of that size that are to be put `beside` each other.
+        slow: how much longer a way lasts than on the level.
 
     Attributes:
         cell: m.
@@ -171,14 +176,22 @@ class Ground:
         shape: numbers of cells along Y and X.
         gap: (H, W) m, distance to the nearest wall, at most `FAR`.
         links: between places, which ways use.
+        parts: number of the grounds that are beside each other.
     """
 
     def __init__(
-        self, polygons: Sequence[Floats], low: Floats, high: Floats, radius: float = 0.25, floors: int = 1
+        self,
+        polygons: Sequence[Floats],
+        low: Floats,
+        high: Floats,
+        radius: float = 0.25,
+        floors: int = 1,
+        slow: float = 1.0,
     ) -> None:
         size = np.maximum(np.asarray(high, dtype=np.float64) - low, 1.0)
         self.cell = max(_CELL, math.sqrt(float(size[0] * size[1]) * floors / _MOST))
         self.links: list[Link] = []
+        self.parts = 1
         self.origin = np.asarray(low, dtype=np.float64)
         self.shape = (int(size[1] / self.cell) + 2, int(size[0] / self.cell) + 2)
         self.radius = radius
@@ -191,7 +204,7 @@ class Ground:
         self.is_free = self.gap > radius
         self.is_free[[0, -1]] = self.is_free[:, [0, -1]] = False
         narrow = np.clip((self.gap - radius) / max(_ROOM - radius, 0.05), 0.0, 1.0)
-        self._slowness = 1.0 / (_NARROW + (1.0 - _NARROW) * narrow)
+        self._slowness = slow / (_NARROW + (1.0 - _NARROW) * narrow)
 
     @property
     def breadth(self) -> float:
@@ -208,6 +221,7 @@ class Ground:
         if len(grounds) == 1:
             return first
         whole = copy.copy(first)
+        whole.parts = len(grounds)
         whole.gap = np.hstack([one.gap for one in grounds])
         width, every = first.shape[1], np.arange(len(grounds))
         whole.gap[:, np.concatenate([every * width, every * width + width - 1])] = 0.0
@@ -348,7 +362,12 @@ class Ground:
 
     def way_to(self, goal: NDArray[np.bool_]) -> Way:
         """Return the way to the nearest of some cells (H, W)."""
-        time = self._arrival(goal)
+        level = [one for one in self.links if one.is_level]
+        way = self._way(goal, self.links)
+        return way if len(level) == len(self.links) else way._replace(level=self._way(goal, level))
+
+    def _way(self, goal: NDArray[np.bool_], links: Sequence[Link]) -> Way:
+        time = self._arrival(goal, links)
         filled = _continued(time)
         x, y = _downhill(filled)
         size = np.sqrt(x * x + y * y)
@@ -357,7 +376,7 @@ class Ground:
         direction = np.stack([np.where(good, x * scale, 0.0), np.where(good, y * scale, 0.0)], axis=-1)
         return Way(time, direction)
 
-    def _arrival(self, goal: NDArray[np.bool_]) -> Floats:
+    def _arrival(self, goal: NDArray[np.bool_], links: Sequence[Link]) -> Floats:
         """Solve the eikonal equation from some cells, front by front; every cell is visited until it stays the same."""
         width = self.shape[1]
         time = np.full(self.gap.size, np.inf)
@@ -366,7 +385,7 @@ class Ground:
         time[start] = 0.0
         around = np.array([1, -1, width, -width])
         front = _unique((start[:, None] + around).ravel(), free)
-        while len(front) or len(front := self._linked(time, around, free)):
+        while len(front) or len(front := self._linked(time, around, free, links)):
             a = np.minimum(time[front - 1], time[front + 1])
             b = np.minimum(time[front - width], time[front + width])
             low, high, step = np.minimum(a, b), np.maximum(a, b), slow[front]
@@ -380,10 +399,12 @@ class Ground:
             front = _unique((changed[:, None] + around).ravel(), free)
         return time.reshape(self.shape)
 
-    def _linked(self, time: Floats, around: NDArray[np.intp], free: NDArray[np.bool_]) -> NDArray[np.intp]:
+    def _linked(
+        self, time: Floats, around: NDArray[np.intp], free: NDArray[np.bool_], links: Sequence[Link]
+    ) -> NDArray[np.intp]:
         """Let links shorten the times (H W,); return the cells beside those that are nearer now."""
         changed = []
-        for link in self.links:
+        for link in links:
             through = (time[link.cells][None, :] + link.costs).min(axis=1)
             better = through < time[link.cells] - 1e-6
             time[link.cells[better]] = through[better]

@@ -11,7 +11,6 @@ import numpy as np
 from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.exceptions import MorseError, MorseRPCInvokationError
 from morse.core.reports.quoting import nearest
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Arguments
 from morse.helpers.components import add_data, add_property, add_state
@@ -20,6 +19,7 @@ from morse.plugins.facilities.panels import Facility, Panels
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.robot import Robot
     from morse.core.world import Body
 
 #: m: a robot whose origin is farther away does not touch the cap
@@ -30,7 +30,7 @@ _TOUCH = 0.005
 _FLOOR = -1.5
 
 
-class Button(Robot, Facility):
+class Button(Facility):
     """A button that calls services, each time that a robot or a person presses it."""
 
     _name = "Button"

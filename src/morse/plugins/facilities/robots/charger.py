@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.core.classes.builder_defaults import RobotDefaults
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.helpers.components import add_data, add_property
 from morse.plugins.facilities.panels import Facility
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 _HIGH = 2.0
 
 
-class Charger(Robot, Facility, ChargingPoint):
+class Charger(Facility, ChargingPoint):
     """A charging station: the batteries within its reach gain charge while it is switched on."""
 
     _name = "Charger"

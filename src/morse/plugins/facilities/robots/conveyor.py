@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.core.classes.builder_defaults import RobotDefaults
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.helpers.components import add_data, add_property
 from morse.plugins.facilities.panels import BeltSpeed, Facility, Panels, approach
 
 if TYPE_CHECKING:
+    from morse.core.robot import Robot
     from morse.core.world import Body
 
 
-class Conveyor(Robot, Facility):
+class Conveyor(Facility):
     """A belt that carries what lies on it by friction: straight, or along an arc.
 
     Boxes reach the speed of the belt as fast as friction allows: with the acceleration µ g on a level belt. On a steep
@@ -27,8 +27,8 @@ class Conveyor(Robot, Facility):
     _short_desc = "A straight or curved belt that carries objects by friction"
     _builder = RobotDefaults(drive="free", builder="morse.plugins.facilities.handling.Conveyor")
 
-    add_data("speed", 0.0, "float", "Speed of the belt, forward", unit="m/s")
-    add_data("target", 0.0, "float", "Speed that it approaches", unit="m/s")
+    add_data("speed", 0.0, "float", "Speed of the belt, forward", unit="m/s", low=-10.0, high=10.0)
+    add_data("target", 0.0, "float", "Speed that it approaches", unit="m/s", low=-10.0, high=10.0)
 
     _speed: float
     _acceleration: float

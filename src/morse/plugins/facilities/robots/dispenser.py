@@ -11,7 +11,6 @@ import numpy as np
 from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import nearest
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
@@ -20,11 +19,12 @@ from morse.plugins.facilities.panels import Facility, Panels, are_lengths, check
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.robot import Robot
     from morse.core.values import StateData
     from morse.core.world import Body
 
 
-class Dispenser(Robot, Facility):
+class Dispenser(Facility):
     """A cabinet that puts boxes out, one by one, as soon as the place in front of it is free."""
 
     _name = "Dispenser"

@@ -10,17 +10,17 @@ import numpy as np
 
 from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.facilities.panels import Facility, Panels, door_places
 
 if TYPE_CHECKING:
+    from morse.core.robot import Robot
     from morse.core.values import StateData
     from morse.core.world import Body
 
 
-class Opening(Robot, Facility):
+class Opening(Facility):
     """What opens by presence or by call, and does not close while somebody is in it."""
 
     add_data("state", "closed", "string", "closed, moving or open")

@@ -9,7 +9,6 @@ import numpy as np
 
 from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
@@ -24,6 +23,7 @@ from morse.plugins.facilities.panels import (
 )
 
 if TYPE_CHECKING:
+    from morse.core.robot import Robot
     from morse.core.values import StateData
     from morse.core.world import Body
 
@@ -32,7 +32,7 @@ _DOORS = 1.5
 Level = Annotated[int, Range(0, 99)]
 
 
-class Lift(Robot, Facility):
+class Lift(Facility):
     """A lift: it goes to the floors from which it is called, in the order of the calls, and opens its doors there."""
 
     _name = "Lift"

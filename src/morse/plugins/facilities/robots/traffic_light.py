@@ -7,12 +7,12 @@ import math
 from typing import TYPE_CHECKING, Literal
 
 from morse.core.classes.builder_defaults import RobotDefaults
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.facilities.panels import LENSES, Facility, stored
 
 if TYPE_CHECKING:
+    from morse.core.robot import Robot
     from morse.core.values import StateData
     from morse.core.world import Body
 
@@ -21,7 +21,7 @@ STATES = ("red", "red-yellow", "yellow", "green", "off")
 _DAY = json.dumps([("green", 20.0), ("yellow", 3.0), ("red", 25.0), ("red-yellow", 2.0)])
 
 
-class TrafficLight(Robot, Facility):
+class TrafficLight(Facility):
     """A traffic light that shows its states by a schedule, or as clients say."""
 
     _name = "TrafficLight"

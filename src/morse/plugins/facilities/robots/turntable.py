@@ -8,27 +8,27 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 
 from morse.core.classes.builder_defaults import RobotDefaults
-from morse.core.robot import Robot
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_property, add_state
 from morse.plugins.facilities.panels import BeltSpeed, Facility, Panels, approach
 
 if TYPE_CHECKING:
+    from morse.core.robot import Robot
     from morse.core.values import StateData
     from morse.core.world import Body
 
 
-class Turntable(Robot, Facility):
+class Turntable(Facility):
     """A disc that turns what lies on it, with a belt along its X axis that may run in any position of the disc."""
 
     _name = "Turntable"
     _short_desc = "A disc that turns objects, with a belt on it"
     _builder = RobotDefaults(drive="free", builder="morse.plugins.facilities.handling.Turntable")
 
-    add_data("angle", 0.0, "float", "Angle of the disc", unit="rad", angle=True)
-    add_data("rate", 0.0, "float", "Angular velocity of the disc", unit="rad/s")
-    add_data("belt", 0.0, "float", "Speed of the belt along the X axis of the disc", unit="m/s")
+    add_data("angle", 0.0, "float", "Angle of the disc", unit="rad", low=-math.pi, high=math.pi, angle=True)
+    add_data("rate", 0.0, "float", "Angular velocity of the disc", unit="rad/s", low=-20.0, high=20.0)
+    add_data("belt", 0.0, "float", "Speed of the belt along the X axis of the disc", unit="m/s", low=-10.0, high=10.0)
     add_data("state", "stopped", "string", "stopped or turning")
 
     _speed: float

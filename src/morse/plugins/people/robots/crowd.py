@@ -30,7 +30,7 @@ from morse.plugins.people.riding import ON_FOOT, Riding
 from morse.plugins.people.riding import WORDS as RIDES
 from morse.plugins.people.starts import Starts
 from morse.plugins.people.states import States
-from morse.plugins.people.walking import Orca, SocialForce, Walkers, length
+from morse.plugins.people.walking import Orca, Others, SocialForce, Walkers, length
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from morse.core.values import StateData
     from morse.core.world import Body
     from morse.plugins.people.members import Guided
+    from morse.plugins.people.stairs import Steps
     from morse.plugins.people.wayfinding import Way
 
     Floats = NDArray[np.float64]
@@ -139,6 +140,7 @@ class Crowd(Robot):
 
     add_state("_touching", dict, "Contacts of people and robots: begin (s), overlap without force, overlap (m)")
     add_state("_trails", dict, "Where those have been whom people follow, m, by their names")
+    add_state("_sought", dict, "Where those go who are far from a trail, m, by the names of the leaders")
     add_state("_reported", dict, "Contacts that were above the limit")
 
     not_state: ClassVar[tuple[str, ...]] = ("local_data",)
@@ -166,6 +168,7 @@ class Crowd(Robot):
         self._touching: dict[str, tuple[float, float, float]] = {}
         self._reported: dict[str, bool] = {}
         self._trails: Trails = {}
+        self._sought: Trails = {}
         random = self.context.random(self.name())
         x, y, _ = (float(one) for one in obj.world_pose()[0])
         plan = _json(self, "Plan", self._plan, dict)
@@ -178,6 +181,8 @@ class Crowd(Robot):
         self.agenda = Agenda(self._count)
         self._around = Surroundings(self.context, self.name(), self.floors, self._shares, lambda: self.agenda.alert)
         self.walkers = Walkers.at(self.ground, np.zeros((self._count, 2)), 0.0, radius)
+        # wheelchairs, and bodies of robots, take no stairs
+        self.walkers.level = legless = rides | (np.arange(self._count) >= count)
         self.walkers.mass = _MASS * (heights / 1.75) ** 2 + np.where(rides, 20.0, 0.0)
         self.riding = Riding(self.context, self.floors, self.ground, self._around, self._count)
         self._starts = Starts(self.context, self.name(), self.plan, self._around, self.agenda, self.walkers, random)
@@ -189,8 +194,6 @@ class Crowd(Robot):
         heading = self.walkers.wanted.copy()
         heading[(heading == 0.0).all(axis=1)] = (1.0, 0.0)
         draw = random.random(self._count)
-        # members have legs, but not of the crowd
-        legless = rides | (np.arange(self._count) >= count)
         self.gait = Gait.at(self.walkers.position, heading, heights, legless, np.floor(8.0 * draw))
         legs = [[node.children[side] for node in trunks if node.children] for side in (0, 1)]
         self._bodies = [self.context.world.object_of(node) for node in (*trunks, *legs[0], *legs[1])]
@@ -248,28 +251,56 @@ class Crowd(Robot):
             self._starts.enter(now, self.gait)
             advance(self.plan, self.agenda, walkers, now)
             look_ahead(self.plan, self.agenda, walkers)
-            follow_leaders(self.plan, self.agenda, walkers, self._trails, self._place_of)
+            tick = self.clock.tick
+            follow_leaders(self.plan, self.agenda, walkers, self._trails, self._sought, tick, self._place_of)
             if self.floors.shafts:
-                self.riding.plan(walkers, np.isin(self.agenda.mode, (WALKS, SENT)), self._way_of, self._move)
+                walks = np.isin(self.agenda.mode, (WALKS, SENT, FOLLOWS))
+                self.riding.plan(walkers, walks, self._lifts_of_leaders(), self._way_of, self._move)
             self._around.open_doors(walkers, self.riding.area)
             others = self._around.seen(self._count)
             self._touch()
             before = walkers.position.copy()
-            walkers.step(self._seconds, self._law, others)
+            self._walk(others)
             carried = self.riding.carried()
             walkers.position[carried], walkers.velocity[carried] = before[carried], 0.0
             sits = np.flatnonzero(self.agenda.mode == SITS)
             walkers.position[sits] = sit_down(before[sits], self.agenda.target[sits], self._seconds)
             walkers.velocity[sits] = 0.0
-        self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted)
+        steps = self._steps()
+        self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted, steps)
         if self._tracks is None:
             self.members.guide(walkers, before, self.gait, self._seconds)
         self._show()
 
+    def _walk(self, others: Others) -> None:
+        """Walk for a tick, slower on stairs."""
+        walkers, area = self.walkers, self.riding.area
+        if not self.floors.flights:
+            walkers.step(self._seconds, self._law, others)
+            return
+        stairs = self.floors.stairs
+        free, walkers.free_speed = walkers.free_speed, walkers.free_speed * stairs.paces(walkers, area)
+        walkers.step(self._seconds, self._law, others.joined(stairs.others(walkers, area)))
+        walkers.free_speed = free
+        stairs.change(walkers, area, self._move)
+
+    def _steps(self) -> Steps | None:
+        """Return the steps below those who are on stairs; None if nobody is."""
+        if not self.floors.flights:
+            return None
+        return self.floors.stairs.steps(self.walkers.position, self.riding.area, self.gait.height)
+
     def _way_of(self, person: int) -> Way | None:
         """Return the way on which a person is; None if there is none."""
+        way = self._any_way_of(person)
+        return way.level if way is not None and way.level is not None and self.walkers.level[person] else way
+
+    def _any_way_of(self, person: int) -> Way | None:
         if self.agenda.mode[person] == SENT:
             return self.plan.way_to(self.agenda.target[person].tolist())
+        if self.agenda.mode[person] == FOLLOWS:
+            place = self._sought.get(list(self._trails)[self.agenda.leader[person]])
+            return self.plan.way_to(list(place[0])) if place else None
         ways = self.plan.flows[self.agenda.flow[person]]["ways"]
         return ways[self.agenda.stage[person]] if ways else None
 
@@ -288,6 +319,16 @@ class Crowd(Robot):
         x, y, z = robot.bge_object.world_pose()[0]
         shift = self.floors.shift[self.floors.floor_of(z)]
         return (float(x + shift[0]), float(y + shift[1]))
+
+    def _lifts_of_leaders(self) -> NDArray[np.intp]:
+        """Return the numbers (N,) of the lifts in which the leaders of those stand who follow; -1 for none."""
+        lifts = np.full(self._count, -1, dtype=np.intp)
+        for number, name in enumerate(self._trails):
+            robot = self.context.robots.get(name)
+            if robot is not None:
+                rows = (self.agenda.mode == FOLLOWS) & (self.agenda.leader == number)
+                lifts[rows] = self.riding.cabin_at(robot.bge_object.world_pose()[0])
+        return lifts
 
     def _touch(self) -> None:
         """Let people and things that touch push each other, and tell of those that do so too hard."""
@@ -315,8 +356,8 @@ class Crowd(Robot):
         sits = (self.agenda.mode == SITS) & here & ~self.agenda.stands_up(np.arange(self._count))
         area = self.riding.area
         # from the plane to the world
-        offset = np.column_stack([-self.floors.shift[area], self.floors.heights[area]])
-        poses = self.gait.poses(walkers.position, walkers.velocity, walkers.present, offset, sits)
+        offset = np.column_stack([-self.floors.shift[area], self.floors.heights_of(walkers.position, area)])
+        poses = self.gait.poses(walkers.position, walkers.velocity, walkers.present, offset, sits, self._steps())
         # the bodies of members are those of their robots
         self._rows.place(*(np.concatenate([one[: self._own], one[self._count :]]) for one in poses))
         present = walkers.present[: self._own]
@@ -333,7 +374,8 @@ class Crowd(Robot):
                     self._bodies[part].setVisible(is_here)
             self._shown = present.copy()
         data["positions"] = np.column_stack([walkers.position + offset[:, :2], offset[:, 2]])
-        data["velocities"] = np.column_stack([walkers.velocity, self.riding.speeds()])
+        climbs = self.floors.stairs.climbs(walkers.velocity, walkers.position, area)
+        data["velocities"] = np.column_stack([walkers.velocity, self.riding.speeds() + climbs])
         data["present"] = walkers.present.copy()
         data["groups"] = walkers.group.astype(np.int32)
 
@@ -391,10 +433,10 @@ class Crowd(Robot):
         self._obey()
         self._check(person)
         if floor < 0:
-            height = float(self.floors.heights[self.riding.area[person]])
+            height = float(self.floors.heights_of(self.walkers.position, self.riding.area)[person])
             floor = self.floors.floor_of(height)
         way, place = self.plan.demand_way(x, y, floor)
-        if math.isinf(float(self.ground.time(way, self.walkers.position[[person]])[0])):
+        if math.isinf(float(self.walkers.time_on(way, np.array([person]))[0])):
             raise MorseRPCInvokationError(f"person {person} cannot reach ({x:g}, {y:g}): walls are between")
         self.agenda.target[person], self.agenda.mode[person] = place, SENT
 
@@ -411,7 +453,7 @@ class Crowd(Robot):
         self._obey()
         way, place = self.plan.demand_way(x, y, floor)
         rows = np.flatnonzero(self.walkers.present)
-        time = self.ground.time(way, self.walkers.position[rows])
+        time = self.walkers.time_on(way, rows)
         order = np.argsort(time, kind="stable")
         chosen = rows[order[np.isfinite(time[order])]][:count]
         self.agenda.target[chosen], self.agenda.mode[chosen] = place, SENT
@@ -433,6 +475,7 @@ class Crowd(Robot):
             hint = nearest_name(robot, sorted(self.context.robots))
             raise MorseRPCInvokationError(f"there is no robot '{robot:.80}' to follow{hint}")
         self._trails = self.agenda.forget_leaders(self._trails)
+        self._sought = {name: place for name, place in self._sought.items() if name in self._trails}
         if robot not in self._trails and len(self._trails) >= MOST_LEADERS:
             raise MorseRPCInvokationError(f"{self.name()} follows {MOST_LEADERS} robots at most")
         way = self.plan.way_to(list(place))
@@ -441,10 +484,10 @@ class Crowd(Robot):
         rows = np.flatnonzero(self.walkers.present & (self.riding.ride == ON_FOOT))
         # a member that leads does not follow itself
         rows = rows[rows != self.members.rows.get(robot, -1)]
-        time = self.ground.time(way, self.walkers.position[rows])
+        time = self.walkers.time_on(way, rows)
         order = np.argsort(time, kind="stable")
         chosen = rows[order[np.isfinite(time[order])]][:count]
-        self._trails[robot] = [place]
+        self._trails[robot], self._sought[robot] = [place], [place]
         names = list(self._trails)
         self.agenda.mode[chosen], self.agenda.rank[chosen] = FOLLOWS, np.arange(len(chosen))
         self.agenda.leader[chosen] = names.index(robot)
@@ -522,7 +565,7 @@ class Crowd(Robot):
     def ask(self, person: _Person) -> dict[str, Any]:
         """Return what a person does: state, position and velocity (x, y), floor, free speed, group, height.
 
-        The floor is -1 for somebody who rides in a lift.
+        The floor is -1 for somebody who rides in a lift, or is on stairs.
 
         Args:
             person: number of the person.
@@ -559,7 +602,7 @@ class Crowd(Robot):
         state = dict(state)
         trails = state.get("_trails", {})
         people = self._states.check(state.pop("people", None), trails)
-        if not can_touch(state.get("_touching", {})) or not can_be(trails):
+        if not can_touch(state.get("_touching", {})) or not can_be(trails) or not can_be(state.get("_sought", {})):
             self._states.refuse()
         super().set_state(state)
         self._states.set(people)
