@@ -427,8 +427,11 @@ def test_connection_lost_and_found(make_server, open_page) -> None:
     red = Material("red", (1.0, 0.0, 0.0, 1.0), shadeless=True)
     server.set_scene(Scene("s", roots=[mesh_node("box", box("b", red))]), [])
     page = open_page(url)
+    server.send(Pace("Best Effort", 2.5))
+    wait_until(lambda: page.locator(".late").is_visible())
     server.stop()
     wait_until(lambda: "simulation has ended" in page.locator(".link").inner_text())
+    assert not page.locator(".late").is_visible()  # what has ended is not late
     again, other = make_server(port=int(url.rsplit(":", 1)[1].strip("/")))
     assert other == url
     again.set_scene(Scene("s", roots=[mesh_node("box", box("b", red)), mesh_node("new", box("n", red))]), [])

@@ -46,6 +46,11 @@ export class Clock {
       this.pace = pace;
       this.showPace();
     });
+    connection.state.watch(({ open }) => {
+      if (open) return;
+      this.pace = null; // a simulation that has ended is not late
+      this.showPace();
+    });
   }
 
   /** Move all but play and the time into another element, or back. */

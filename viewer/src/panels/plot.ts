@@ -238,7 +238,8 @@ export class Plot {
     // time begins at 0: the curve grows from the left until the window is full
     const range = (_chart: uPlot, low: number, high: number): [number, number] =>
       this.seconds === 0 || high === null ? [low, high] : [Math.max(0, high - this.seconds), Math.max(this.seconds, high)];
-    const vertical = { ...axis, size: (_chart: uPlot, texts: string[] | null) => 16 + 7 * Math.max(6, ...(texts ?? []).map((text) => text.length)) };
+    // a number every 20 pixels, so that also a low diagram has two
+    const vertical = { ...axis, space: 20, size: (_chart: uPlot, texts: string[] | null) => 16 + 7 * Math.max(6, ...(texts ?? []).map((text) => text.length)) };
     if (this.base >= 0) {
       const [base, others] = [this.curves[this.base] as Curve, this.others()];
       const facets = [{ scale: "x", auto: true }, { scale: "y", auto: true }];
