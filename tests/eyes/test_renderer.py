@@ -92,6 +92,15 @@ def test_depth_of_the_highest_point_is_its_distance(geom: str, height: float) ->
     assert ids[32, 32].tolist() == [0, mujoco.mjtObj.mjOBJ_GEOM]
 
 
+def test_triangles_of_height_fields_are_flat() -> None:
+    # two slopes that meet in the middle column, lit along Z
+    asset = '<hfield name="h" nrow="2" ncol="3" size="1 1 1 .1" elevation="0 1 0 0 1 0"/>'
+    visual = '<headlight ambient="0 0 0" diffuse="1 1 1" specular="0 0 0"/>'
+    picture = _picture(_world('<geom type="hfield" hfield="h" rgba="1 1 1 1"/>', visual, asset), size=64)
+    # their normals have the same angle to the light
+    assert picture[32] == pytest.approx(np.full((64, 3), 255 / np.sqrt(2)), abs=2)
+
+
 def test_background_is_at_the_far_plane_and_has_no_object() -> None:
     xml = _world('<geom type="sphere" size=".1"/>')
     model = mujoco.MjModel.from_xml_string(xml)
@@ -124,6 +133,40 @@ def test_orthographic_cameras_show_sizes_independent_of_the_distance() -> None:
         xml = _world(camera + f'<geom type="box" size=".25 .25 .05" pos="0 0 {z}"/>')
         assert (_picture(xml, mode="ids", camera="o", size=200)[100, :, 0] == 0).sum() == pytest.approx(50, abs=1)
         assert _picture(xml, mode="depth", camera="o")[32, 32] == pytest.approx(1.95 - z, abs=2e-3)
+
+
+@pytest.mark.parametrize("slope", [0.02, 0.2, 1.0])
+def test_depths_of_orthographic_cameras_are_those_of_parallel_rays(slope: float) -> None:
+    camera = f'<camera name="o" pos="0 0 .5" xyaxes="1 0 0 0 {slope} 1" projection="orthographic" fovy=".6"/>'
+    xml = _world(camera + '<geom type="plane" size="20 200 1"/>', visual='<map znear=".01" zfar="50"/>')
+    depth = _picture(xml, mode="depth", camera="o")
+    # the camera looks along (0, 1, -slope): a ray that begins higher meets the floor later
+    length = np.hypot(1.0, slope)
+    height = 0.5 + (32 - np.arange(65)) * 0.6 / 65 / length
+    assert depth == pytest.approx(np.tile((height * length / slope)[:, None], 65), rel=2e-5, abs=1e-4)
+
+
+@pytest.mark.parametrize("distance", [0.5, 5.0, 50.0])
+def test_orthographic_cameras_show_solids_at_exact_places_at_any_distance(distance: float) -> None:
+    camera = f'<camera name="o" pos="0 0 {distance}" projection="orthographic" fovy="2"/>'
+    xml = _world(camera + '<geom type="box" size=".253 .153 .05" pos=".5 -.25 0"/>', visual='<map zfar="100"/>')
+    ids = _picture(xml, mode="ids", camera="o", size=200)[..., 0] == 0
+    columns, rows = (np.flatnonzero(ids.any(axis=axis)) for axis in (0, 1))
+    # pixels of 10 mm, whose centres are at their halves
+    assert (columns[0], columns[-1]) == (125, 174)
+    assert (rows[0], rows[-1]) == (110, 139)
+
+
+@pytest.mark.parametrize("look", ["classic", "morse"])
+def test_only_what_is_between_the_planes_of_an_orthographic_camera_is_drawn(look: str) -> None:
+    camera = '<camera name="o" pos="0 0 2" projection="orthographic" fovy="2"/>'
+    # the near plane is at 1 m, the far plane at 3 m
+    visual = '<map znear=".5" zfar="1.5"/>'
+    for z, seen in ((1.2, False), (0.9, True), (-0.9, True), (-1.2, False)):
+        xml = _world(camera + f'<geom type="box" size=".25 .25 .01" pos="0 0 {z}"/>', visual)
+        assert (_picture(xml, mode="ids", camera="o", look=look)[32, 32, 0] == 0) == seen
+        picture = _picture(xml, camera="o", look=look)
+        assert (picture[32, 32] != picture[0, 0]).any() == seen
 
 
 def test_the_last_of_surfaces_at_the_same_place_is_seen() -> None:

@@ -18,7 +18,8 @@ XML = """<mujoco><asset><texture type="skybox" builtin="gradient" rgb1=".3 .5 .7
 <body name="ball" mocap="true" pos="0 0 .5"><geom type="sphere" size=".2" material="red"/><site name="eye"/></body>
 <body name="bar" mocap="true" pos=".7 .2 .3"><geom name="bar" type="capsule" size=".07 .3"/></body>
 <body name="glass" mocap="true" pos=".2 .6 .4"><geom type="box" size=".1 .1 .3" rgba=".2 .3 .9 .4"/></body>
-<camera name="front" pos="0 -3 1.6" xyaxes="1 0 0 0 .4 1"/><camera name="side" pos="3 0 1" xyaxes="0 1 0 -.2 0 1"/>
+<camera name="front" pos="0 -3 1.6" xyaxes="1 0 0 0 .4 1"/>
+<camera name="side" pos="3 0 1" xyaxes="0 1 0 -.2 0 1" projection="orthographic" fovy="3"/>
 </worldbody><tendon><spatial width=".02"><site site="nail"/><site site="eye"/></spatial></tendon></mujoco>"""
 SIZE = 150, 200
 KINDS = "rgb", "depth", "ids"

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.eyes.picture import View
     from morse.eyes.store import Key, Prepared
 
 # Types of geoms in MuJoCo (`mujoco.mjtGeom`), the same in all versions.
@@ -206,19 +207,15 @@ class Instances(NamedTuple):
     def poses(
         self,
         g: NDArray[np.void],
-        eye: NDArray[np.floating],
-        forward: NDArray[np.floating],
+        view: View,
         reach: float,
-        focal: float,
         linewidth: float,
     ) -> Poses:
         """Return the poses of the instances at the present poses of the geoms; infinite planes follow the camera.
 
         Args:
-            eye: (3,) position of the camera, around which infinite planes are.
-            forward: (3,) its direction.
+            view: of the camera: the widths of lines are pixels.
             reach: m, to the border of infinite planes.
-            focal: focal length, pixels: the widths of lines are pixels.
             linewidth: factor of the widths of lines.
         """
         rotation, places = g["mat"].reshape(-1, 3, 3)[self.geoms], g["pos"][self.geoms]
@@ -245,8 +242,8 @@ class Instances(NamedTuple):
             scales = scales.copy()
             of = self.geoms[self.lines]
             middle = g["pos"][of] + (rotation[self.lines] * offsets[self.lines, None]).sum(axis=2)
-            depth = np.maximum(((middle - np.asarray(eye, np.float32)) * forward).sum(axis=1), 1e-3)
-            half = widths_of(g[of], linewidth) * depth / (2 * focal)
+            depth = np.maximum(((middle - np.asarray(view.eye, np.float32)) * view.axes[2]).sum(axis=1), 1e-3)
+            half = widths_of(g[of], linewidth) * (1.0 if view.parallel else depth) / (2 * view.fy)
             own = scales[self.lines]
             # their extents across have no size
             scales[self.lines] = np.where(own == 0.0, half[:, None], own)

@@ -153,10 +153,10 @@ class MjrContext:
         """The depths (H, W) of a picture as OpenGL keeps them: 1 at the near plane and 0 at the far plane."""
         assert self._artist is not None
         view = one.view
-        near, far = view.near - view.shift, view.far - view.shift
+        near, far = view.near, view.far
         metres = self._artist.depths(one.scene, one.geoms, view).astype(np.float64)
         share = (far - metres) / (far - near)
-        return np.asarray(share if view.shift else share * near / metres, np.float64)
+        return np.asarray(share if view.parallel else share * near / metres, np.float64)
 
 
 def _render(viewport: Any, scn: Any, con: MjrContext) -> None:

@@ -52,8 +52,6 @@ _OPAQUE = 0.995
 _FROM_BEHIND = 0.3
 #: texels along the side of a shadow map: at least, and at most
 _FEWEST_TEXELS, _MOST_TEXELS = 256, 1024
-#: distance of the pinhole that stands for an orthographic camera, in units of the far plane
-_AFAR = 6.0
 #: from the camera to the border of infinite planes, in units of the far plane: without a sky, and in front of MuJoCo's
 _BEYOND, _BEFORE_SKY = 1.06, 0.7
 
@@ -64,9 +62,10 @@ class View(NamedTuple):
     Attributes:
         eye: (3,) m.
         axes: (3, 3) right, down and forward, in rows.
-        fx, fy, cx, cy: pixels; the centre of the first pixel is at 0.5.
+        fx, fy: pixels; of orthographic cameras, pixels per m.
+        cx, cy: pixels; the centre of the first pixel is at 0.5.
         near, far: m, along the axis.
-        shift: m that are subtracted from depths; 0 for perspective cameras.
+        parallel: whether it is orthographic.
         width, height: pixels.
     """
 
@@ -78,19 +77,14 @@ class View(NamedTuple):
     cy: float
     near: float
     far: float
-    shift: float
+    parallel: bool
     width: int
     height: int
-
-    @property
-    def place(self) -> NDArray[np.float64]:
-        """(3,) the position of the camera, which is that of the pinhole of perspective cameras, m."""
-        return np.asarray(self.eye + self.shift * self.axes[2], np.float64)
 
     def row(self, *, color: bool) -> NDArray[np.void]:
         """(1,) `CAMERA`."""
         numbers = self.fx, self.fy, self.cx, self.cy, self.near, self.far, self.axes.ravel(), self.eye, 1.0, 0.0
-        return np.array([(*numbers, self.width, self.height, 0, color, 0, 0, self.shift)], CAMERA)
+        return np.array([(*numbers, self.width, self.height, 0, color, 0, 0, self.parallel)], CAMERA)
 
     def cut(self, box: tuple[int, int, int, int]) -> View:
         """The part of the picture from a column and a row to before others."""
@@ -137,17 +131,11 @@ def view_of(scene: Any, width: int, height: int) -> View:
     down = height / (top - bottom)
     # cameras with a size of their sensor fill any picture with it: pixels are then not square
     across = width / (2 * half) if half > 0 else down
-    shift = 0.0
     cx, cy = width / 2 - centre * across, top * down
-    if one.orthographic:
-        # a pinhole that is so far away that its rays are nearly parallel
-        shift = _AFAR * far
-        eye = [a - shift * b for a, b in zip(eye, forward, strict=True)]
-    focal = shift or near
+    parallel = bool(one.orthographic)
+    focal = 1.0 if parallel else near
     axes = np.array([cross(forward, up), [-part for part in up], forward])
-    return View(
-        np.array(eye), axes, across * focal, down * focal, cx, cy, near + shift, far + shift, shift, width, height
-    )
+    return View(np.array(eye), axes, across * focal, down * focal, cx, cy, near, far, parallel, width, height)
 
 
 class Geoms(Protocol):
@@ -190,7 +178,7 @@ class Artist:
         """The depth (H, W), m, of all geoms as opaque ones."""
         depths, _, _ = self._surfaces(scene, geoms, view)
         # the background is at the far plane
-        return depths_of(depths.reshape(view.height, view.width), view.far, view.shift)
+        return depths_of(depths.reshape(view.height, view.width), view.far)
 
     def objects(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.int32]:
         """The ids (H, W, 2), id and type of the objects, of all geoms as opaque ones."""
@@ -212,9 +200,7 @@ class Artist:
         key = self._key(scene, g, view)
         if self._surface is None or self._surface[0] != key:
             away = _turned_away(g, view)
-            poses = instances.poses(
-                g, view.eye, view.axes[2], _BEYOND * (view.far - view.shift), view.fy, self._linewidth
-            )
+            poses = instances.poses(g, view, _BEYOND * view.far, self._linewidth)
             parts = instances.parts
             if away.any():
                 parts = parts[~away[instances.geoms][instances.owner]]
@@ -232,14 +218,14 @@ class Artist:
     def _colors(self, scene: Any, g: NDArray[np.void], view: View) -> NDArray[np.uint8]:
         instances, draw = self._arranged(g, scene)
         reach = self._reach(scene.flags, view)
-        poses = instances.poses(g, view.eye, view.axes[2], reach, view.fy, self._linewidth)
+        poses = instances.poses(g, view, reach, self._linewidth)
         opacity = np.array(instances.opacity)
-        behind = _from_behind(g, view.place)
+        behind = _from_behind(g, view.eye)
         opacity[behind] *= _FROM_BEHIND
         opacity[_turned_away(g, view)] = 0.0
         clear = opacity < _OPAQUE
         solid = self._opaque(instances, clear)
-        lights, around = lights_of(scene), self._around(g, scene.flags, reach, view.shift)
+        lights, around = lights_of(scene), self._around(g, scene.flags, reach)
         maps = self._shadows(scene, g, instances, draw, lights, poses, view)
         make = classic if self._plain else of_scenes
         light = make(lights, maps, around)
@@ -251,7 +237,7 @@ class Artist:
 
         first = drawn(solid, view, name="picture")
         # in depths and ids, planes reach to the far plane
-        if not clear.any() and not (len(instances.infinite) and reach < view.far - view.shift):
+        if not clear.any() and not (len(instances.infinite) and reach < view.far):
             self._surface = self._key(scene, g, view), first.depth, first.ids
         layers = (
             _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view, self._linewidth) if clear.any() else []
@@ -266,7 +252,7 @@ class Artist:
                 if box is not None:
                     # a mirror shows neither itself nor planes from behind
                     mirrored = view.mirrored(_plane_of(g[number]))
-                    unseen = _from_behind(g, mirrored.place)
+                    unseen = _from_behind(g, mirrored.eye)
                     unseen[number] = True
                     others = solid[~unseen[instances.geoms[solid[:, 1]]]]
                     if not len(others):
@@ -300,7 +286,7 @@ class Artist:
     def _key(self, scene: Any, g: NDArray[np.void], view: View) -> tuple[object, ...]:
         """All that depths and ids of geoms depend on whose instances are those of the present picture."""
         vertices = (scene.skinvert.tobytes(), scene.flexface.tobytes()) if self._of_moving() else ()
-        numbers = (*view.eye, *view.axes.ravel(), view.fx, view.fy, view.cx, view.cy, view.near, view.far, view.shift)
+        numbers = (*view.eye, *view.axes.ravel(), view.fx, view.fy, view.cx, view.cy, view.near, view.far)
         return (self._of, g["pos"].tobytes(), g["mat"].tobytes(), numbers, view.width, view.height, *vertices)
 
     def _of_moving(self) -> bool:
@@ -384,9 +370,9 @@ class Artist:
     def _reach(self, flags: Any, view: View) -> float:
         """From the camera to the border of infinite planes in pictures of colours, m."""
         sky = self._plain and len(self._skies) and flags[_SKYBOX]
-        return (_BEFORE_SKY if sky else _BEYOND) * (view.far - view.shift)
+        return (_BEFORE_SKY if sky else _BEYOND) * view.far
 
-    def _around(self, g: NDArray[np.void], flags: Any, reach: float, shift: float) -> Surroundings:
+    def _around(self, g: NDArray[np.void], flags: Any, reach: float) -> Surroundings:
         model = self._model
         rgba, settings, extent = model.vis.rgba, model.vis.map, float(model.stat.extent)
         assert self._instances is not None
@@ -398,7 +384,7 @@ class Artist:
             plane = _plane_of(g[self._instances.infinite[0]])
         fog = None
         if flags[_FOG]:
-            fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent + shift, settings.fogend * extent + shift)
+            fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent, settings.fogend * extent)
         return Surroundings(sky, np.array(rgba.haze[:3], float), float(settings.haze), reach, plane, fog)
 
 
@@ -409,10 +395,10 @@ def _from_behind(g: NDArray[np.void], eye: NDArray[np.float64]) -> NDArray[np.bo
 
 def _turned_away(g: NDArray[np.void], view: View) -> NDArray[np.bool_]:
     """(N,) which geoms are planes that the rays of an orthographic camera meet from behind: they are not drawn."""
-    if not view.shift:
+    if not view.parallel:
         return np.zeros(len(g), np.bool_)
     facing = (g["mat"].reshape(-1, 3, 3)[:, :, 2] * view.axes[2]).sum(axis=1)
-    return np.asarray((g["type"] == PLANE) & (facing > -1e-6) & ~_from_behind(g, view.place))
+    return np.asarray((g["type"] == PLANE) & (facing > -1e-6) & ~_from_behind(g, view.eye))
 
 
 def _drawer_of(prepared: Prepared) -> NativeDrawer:
@@ -466,14 +452,15 @@ def _seen(g: NDArray[np.void], view: View) -> NDArray[np.float64]:
     x = np.array([-view.cx, view.width - view.cx])[:, None, None] / view.fx
     y = np.array([-view.cy, view.height - view.cy])[:, None] / view.fy
     right, down, forward = view.axes
-    ways = (x * right + y * down + forward).reshape(-1, 3)
-    return np.concatenate([view.eye + least * ways, view.eye + most * ways])
+    aside = (x * right + y * down).reshape(-1, 3)
+    ends = [(1.0 if view.parallel else depth) * aside + depth * forward for depth in (least, most)]
+    return np.asarray(view.eye + np.concatenate(ends), np.float64)
 
 
 def _is_below(plane: NDArray[np.float64], places: NDArray[np.float32], light: Lit, view: View) -> bool:
     """Whether a plane is below a light, the camera and some places: its shadow is not seen."""
     normal, offset = plane[:3], plane[3]
-    if not (normal * view.place).sum() > offset or not ((places * normal).sum(axis=1) >= offset).all():
+    if not (normal * view.eye).sum() > offset or not ((places * normal).sum(axis=1) >= offset).all():
         return False
     if light.directional:
         return bool((light.towards * normal).sum() > 0.0)
@@ -564,9 +551,9 @@ def _box_of(geom: np.void, view: View, linewidth: float) -> tuple[int, int, int,
     bounds: list[tuple[float, float]] = []
     for at, focal, middle in ((x, view.fx, view.cx), (y, view.fy, view.cy)):
         # the nearer end of the sphere is farther from the middle of the picture
+        scales = (1.0, 1.0) if view.parallel else (near, depth + reach)
         low, high = (
-            focal * (at + side * reach) / (near if (at + side * reach) * side > 0 else depth + reach)
-            for side in (-1, 1)
+            focal * (at + side * reach) / scales[0 if (at + side * reach) * side > 0 else 1] for side in (-1, 1)
         )
         bounds.append((low + middle, high + middle))
     return _pixels(bounds[0], bounds[1], view)
@@ -577,6 +564,8 @@ def _around(points: NDArray[np.float64], view: View, width: float = 0.0) -> tupl
     if not len(points) or not np.isfinite(points).all():
         return None
     x, y, depths = points.T
+    if view.parallel:
+        depths = np.ones_like(depths)
     columns, rows, half = view.fx * x / depths + view.cx, view.fy * y / depths + view.cy, abs(width) / 2
     return _pixels((columns.min() - half, columns.max() + half), (rows.min() - half, rows.max() + half), view)
 

@@ -232,12 +232,13 @@ def surface_mesh(
     )
 
 
-def height_field(elevation: NDArray[np.float32], size: NDArray[np.float64]) -> Triangles:
+def height_field(elevation: NDArray[np.float32], size: NDArray[np.float64], *, flat: bool = False) -> Triangles:
     """Return the surface and the base of a height field.
 
     Args:
         elevation: (R, C) 0 to 1, the first row at the lowest y.
         size: (4,) half lengths of x and y, height of 1, thickness of the base, m.
+        flat: whether triangles have their own normals, as in MuJoCo, instead of those of a smooth surface.
     """
     rows, columns = elevation.shape
     x, y = np.meshgrid(np.linspace(-size[0], size[0], columns), np.linspace(-size[1], size[1], rows))
@@ -263,7 +264,13 @@ def height_field(elevation: NDArray[np.float32], size: NDArray[np.float64]) -> T
         patches.append((wall, np.broadcast_to(outward, wall.shape), planar(wall, size)))
     floor = base[::-1][[0, -1]][:, [0, -1]]
     patches.append((floor, np.broadcast_to([0.0, 0.0, -1.0], floor.shape), planar(floor, size)))
-    return _of_patches(patches)
+    mesh = _of_patches(patches)
+    if not flat:
+        return mesh
+    corners = mesh.vertices[mesh.triangles].astype(np.float64)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-30)
+    return mesh._replace(normals=np.repeat(normals[:, None], 3, axis=1).astype(np.float32))
 
 
 def planar(points: NDArray[np.floating], size: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -80,11 +80,12 @@ class ModelStore:
 
     Args:
         model: the model; its arrays are copied.
-        plain: whether textures are used without gamma correction.
+        plain: whether the shapes are those of MuJoCo, and textures are used without gamma correction.
     """
 
     def __init__(self, model: Any, *, plain: bool) -> None:
         self._lock = threads.lock()
+        self._plain = plain
         self._arrays = {name: np.array(getattr(model, name)) for name in _ARRAYS if hasattr(model, name)}
         self._quality = _quality(model)
         self._channels = np.array(getattr(model, "tex_nchannel", np.full(model.ntex, 3)))
@@ -92,7 +93,7 @@ class ModelStore:
         self._meshes = MeshStore()
         self._chunks: dict[Key, tuple[Clusters, int]] = {}
         self._texture_store = TextureStore()
-        self._textures = self._read_textures(plain)
+        self._textures = self._read_textures()
         self._texels = self._texture_store.arrays()
         self._prepared: Prepared | None = None
 
@@ -199,7 +200,7 @@ class ModelStore:
         rows, columns = int(a["hfield_nrow"][number]), int(a["hfield_ncol"][number])
         first = int((a["hfield_nrow"][:number] * a["hfield_ncol"][:number]).sum())
         elevation = a["hfield_data"][first : first + rows * columns].reshape(rows, columns)
-        return _planar(height_field(elevation, a["hfield_size"][number]))
+        return _planar(height_field(elevation, a["hfield_size"][number], flat=self._plain))
 
     def _skin(self, number: int) -> Triangles:
         a = self._arrays
@@ -208,7 +209,7 @@ class ModelStore:
 
     # -- textures --------------------------------------------------------------------------
 
-    def _read_textures(self, plain: bool) -> NDArray[np.int32]:
+    def _read_textures(self) -> NDArray[np.int32]:
         a = self._arrays
         spaces = a.get("tex_colorspace", np.zeros(len(a.get("tex_type", ())), np.int32))
         firsts = np.full(len(a.get("tex_type", ())), -1, np.int32)
@@ -219,7 +220,7 @@ class ModelStore:
             pixels = np.full((height, width, 4), 255, np.uint8)
             pixels[..., :3] = data[..., :3] if channels >= 3 else data[..., :1]
             # MuJoCo ignores the colour space of cubes
-            decoded = not plain or (spaces[number] == _SRGB and a["tex_type"][number] == FLAT)
+            decoded = not self._plain or (spaces[number] == _SRGB and a["tex_type"][number] == FLAT)
             light = LINEAR if decoded else np.arange(256) / 255
             if a["tex_type"][number] == FLAT:
                 firsts[number] = self._texture_store.add(pixels, light)

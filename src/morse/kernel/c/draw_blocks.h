@@ -27,7 +27,7 @@ typedef union {
 } Lines;
 
 typedef struct {
-    F8 inverse[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];  // 1 / depth
+    F8 inverse[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];  // see `depth_at`
     I8 shown[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];    // index of the triangle, -1 for none
     F8 dx, dy;                                              // the positions of the samples of a pixel
     I8 used;                                                // the lanes of samples
@@ -261,10 +261,12 @@ static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Ti
 }
 
 // Empties a tile.
-static inline void clear(const Frame *f, Tile *t, int left, int top, int samples, float near, float far) {
-    t->left = left, t->top = top, t->samples = samples, t->nearest = 1 / near, t->spread = samples > 1 ? SPREAD : 0;
-    t->empty[0] = t->empty[1] = 0, t->empty[2] = 1 / far;
-    EACH(c, COLUMNS) * (I8 *)t->flat[c] = splat_int(-1), *(F8 *)t->low[c] = *(F8 *)t->high[c] = splat(1 / far);
+static inline void clear(const Frame *f, const Camera *k, Tile *t, int left, int top, int samples) {
+    const float least = k->parallel ? reach_of(k) - k->far : 1 / k->far;
+    t->left = left, t->top = top, t->samples = samples;
+    t->nearest = k->parallel ? reach_of(k) - k->near : 1 / k->near, t->spread = samples > 1 ? SPREAD : 0;
+    t->empty[0] = t->empty[1] = 0, t->empty[2] = least;
+    EACH(c, COLUMNS) * (I8 *)t->flat[c] = splat_int(-1), *(F8 *)t->low[c] = *(F8 *)t->high[c] = splat(least);
     t->dx = t->dy = splat(0), t->used = splat_int(0);
     EACH(c, COLUMNS) EACH(n, samples) { t->x[c][n] = STEPS + ((float)(left + c * LANES) + 0.5f + f->samples[2 * n]); }
     Lines down;

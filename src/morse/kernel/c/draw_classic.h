@@ -20,15 +20,9 @@ _Static_assert(CORNER_LIGHTS <= 2 * LANES, "the lights of a corner are read as t
 // The smallest number whose logarithm is computed.
 #define LEAST_COSINE 1e-20f
 
-// Where a camera is, which is not the pinhole that stands for an orthographic one.
-static inline V3 viewpoint(const Camera *k) {
-    const float *r = k->axes + 6, *o = k->eye, s = k->shift;
-    return (V3){splat(o[0] + s * r[0]), splat(o[1] + s * r[1]), splat(o[2] + s * r[2])};
-}
-
 // The light at eight points with unit normals: of the lights without shadows and of each light with shadows.
 static ALWAYS_INLINE void light_points(const Frame *f, const Camera *k, const Looks *l, V3 color, V3 *lights) {
-    const V3 view = unit(difference(viewpoint(k), l->place));
+    const V3 view = unit(difference(everywhere(k->eye), l->place));
     const F8 zero = splat(0), one = splat(1), least = splat(LEAST_COSINE);
     const int shines = any(l->metallic > zero);
     lights[0] = (V3){l->er, l->eg, l->eb};
@@ -179,7 +173,7 @@ static inline V3 classic_light(const Frame *f, const Camera *k, Looks *l) {
     }
     total = product(total, (V3){l->r, l->g, l->b});
     if (c->hazy && any(l->hazed)) {
-        const V3 way = difference(l->place, viewpoint(k));
+        const V3 way = difference(l->place, everywhere(k->eye));
         const F8 up = dot(way, everywhere(c->plane)), far = root(greater(dot(way, way) - up * up, splat(0)));
         const F8 clear = (c->far - far) / (c->ring * (far + c->ring * c->far));
         total = chosen(l->hazed & (up < splat(0)), hazy(c, total, 1 - clear), total);
@@ -200,10 +194,10 @@ static inline V3 plain_sky(const Classic *c) { return everywhere(c->foggy ? c->f
 static inline V3 classic_sky(const Frame *f, const Camera *k, Looks *l, V3 ray) {
     const Classic *c = f->classic;
     V3 light = everywhere(c->background), aside = grey(0);
-    if (k->shift > 0) {
+    if (k->parallel) {
         // parallel rays begin beside the camera, and meet a sphere around it
         const V3 forward = everywhere(k->axes + 6);
-        aside = scaled(difference(ray, forward), splat(k->shift));
+        aside = aside_of(k, l->x, l->y);
         const F8 left = splat(c->far * c->far) - dot(aside, aside);
         ray = sum(aside, scaled(forward, root(greater(left, splat(0)))));
     }
@@ -226,14 +220,14 @@ static inline V3 classic_sky(const Frame *f, const Camera *k, Looks *l, V3 ray) 
         light = (V3){l->r, l->g, l->b};
     }
     if (c->hazy) {
-        const V3 way = k->shift > 0 ? everywhere(k->axes + 6) : ray;
+        const V3 way = k->parallel ? everywhere(k->axes + 6) : ray;
         const F8 up = dot(way, everywhere(c->plane));
         const F8 flat = root(greater(dot(way, way) - up * up, splat(1e-12f)));
-        const F8 above = dot(viewpoint(k), everywhere(c->plane)) - c->plane[3];
+        const F8 above = dot(everywhere(k->eye), everywhere(c->plane)) - c->plane[3];
         // how much higher a parallel ray is at the place of the camera, and how far it has to go to the border
         const F8 side = dot(aside, everywhere(c->plane)), along = (dot(aside, way) - side * up) / flat;
         const F8 higher = side - up * along / flat, across = dot(aside, aside) - side * side - along * along;
-        const F8 border = k->shift > 0 ? root(greater(c->far * c->far - across, splat(0))) : splat(c->far);
+        const F8 border = k->parallel ? root(greater(c->far * c->far - across, splat(0))) : splat(c->far);
         const F8 slope = up / flat * border;
         // from the border of the plane to the horizon; from below there is no haze
         const F8 clear = (above + slope + higher) / greater(above - slope * c->ring, splat(1e-12f));

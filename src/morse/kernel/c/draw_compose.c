@@ -21,7 +21,7 @@ MORSE_EXPORT int64_t morse_draw_extent(const int32_t *ids, int32_t width, int32_
 MORSE_EXPORT void morse_draw_reflect(const Overlay *o);
 MORSE_EXPORT void morse_draw_over(const Overlay *o);
 MORSE_EXPORT void morse_draw_codes(const uint8_t (*first)[4], const float (*total)[3], int64_t count, uint8_t (*to)[3]);
-MORSE_EXPORT void morse_draw_depths(const float *depths, int64_t count, float background, float shift, float *to);
+MORSE_EXPORT void morse_draw_depths(const float *depths, int64_t count, float background, float *to);
 MORSE_EXPORT void morse_draw_objects(const int32_t *ids, int64_t count, const int32_t (*objects)[2], int32_t (*to)[2]);
 
 static inline int is_chosen(const uint8_t *chosen, int32_t id) { return id >= 0 && chosen[id]; }
@@ -90,9 +90,9 @@ void morse_draw_codes(const uint8_t (*first)[4], const float (*total)[3], int64_
         for (int k = 0; k < 3; k++) to[i][k] = total ? code_of(total[i][k]) : first[i][k];
 }
 
-// Depths from a plane `shift` before the camera; pixels without a surface have that of the background.
-void morse_draw_depths(const float *depths, int64_t count, float background, float shift, float *to) {
-    for (int64_t i = 0; i < count; i++) to[i] = (depths[i] > 0.0f ? depths[i] : background) - shift;
+// Depths; pixels without a surface have that of the background.
+void morse_draw_depths(const float *depths, int64_t count, float background, float *to) {
+    for (int64_t i = 0; i < count; i++) to[i] = depths[i] > 0.0f ? depths[i] : background;
 }
 
 // The objects that instances belong to, -1 and -1 for nothing.

@@ -13,7 +13,7 @@ typedef double D4 __attribute__((vector_size(32)));
 #define CLIP_MARGIN 1.0
 #define CLIP_ROUNDING 1e-14
 
-// A vertex: (x w, y w, w, 0), and (x, y, -x, -y) in pixels.
+// A vertex: (x w, y w, w, depth), and (x, y, -x, -y) in pixels. For pinholes, w is the depth, for parallel rays 1.
 typedef struct {
     D4 at, place;
 } Corner;
@@ -45,22 +45,23 @@ static inline float scale_of(const float *m) {
     return sqrtf(most);
 }
 
-// Mesh to (x w, y w, w) of a camera. Differences of positions are computed first, in double precision.
-static inline void projection(const Camera *k, const float *m, double a[3][4]) {
+// Mesh to (x w, y w, w, depth) of a camera. Differences of positions are computed first, in double precision.
+static inline void projection(const Camera *k, const float *m, double a[4][4]) {
     const float *r = k->axes;
     EACH(i, 4) {
         double x[3];
         EACH(n, 3) x[n] = m[4 * n + i] - (i == 3 ? (double)k->eye[n] : 0);
-        a[2][i] = r[6] * x[0] + r[7] * x[1] + r[8] * x[2];
+        a[3][i] = r[6] * x[0] + r[7] * x[1] + r[8] * x[2];
+        a[2][i] = k->parallel ? i == 3 : a[3][i];
         a[0][i] = k->fx * (r[0] * x[0] + r[1] * x[1] + r[2] * x[2]) + k->cx * a[2][i];
         a[1][i] = k->fy * (r[3] * x[0] + r[4] * x[1] + r[5] * x[2]) + k->cy * a[2][i];
     }
 }
 
 // Whether the coordinates of all vertices in a sphere are finite.
-static inline int is_finite(double a[3][4], const float *s) {
+static inline int is_finite(double a[4][4], const float *s) {
     int fine = 1;
-    EACH(i, 3) {
+    EACH(i, 4) {
         double most = fabs(a[i][3]);
         EACH(n, 3) most += fabs(a[i][n]) * ((double)fabsf(s[n]) + (double)s[3]);
         fine &= most < FARTHEST;
@@ -72,16 +73,17 @@ static inline int is_finite(double a[3][4], const float *s) {
 static inline double cut_of(const Camera *k) { return (double)k->near / 2; }
 
 // Projects the vertices of a cluster; returns whether all of them are between the near and the far plane.
-static inline int project_corners(const Camera *k, double a[3][4], const float (*points)[3], int count, Corner *to) {
-    const D4 x = {a[0][0], a[1][0], a[2][0], 0}, y = {a[0][1], a[1][1], a[2][1], 0};
-    const D4 z = {a[0][2], a[1][2], a[2][2], 0}, base = {a[0][3], a[1][3], a[2][3], 0}, signs = {1, 1, -1, -1};
-    const double near = k->near, far = k->far, cut = cut_of(k);
+static inline int project_corners(const Camera *k, double a[4][4], const float (*points)[3], int count, Corner *to) {
+    const D4 x = {a[0][0], a[1][0], a[2][0], a[3][0]}, y = {a[0][1], a[1][1], a[2][1], a[3][1]};
+    const D4 z = {a[0][2], a[1][2], a[2][2], a[3][2]}, base = {a[0][3], a[1][3], a[2][3], a[3][3]};
+    const D4 signs = {1, 1, -1, -1};
+    const double near = k->near, far = k->far, cut = k->parallel ? 0 : cut_of(k);
     int between = 1;
     EACH(v, count) {
         const float *p = points[v];
         const D4 at = x * (double)p[0] + y * (double)p[1] + z * (double)p[2] + base;
-        const double w = at[2];
-        between &= w >= near && w <= far;
+        const double w = at[2], depth = at[3];
+        between &= depth >= near && depth <= far;
         to[v].at = at;
         const D4 place = {at[0], at[1], at[0], at[1]};
         to[v].place = place / all_four(w < cut ? 1 : w) * signs;
@@ -96,9 +98,11 @@ static inline D4 lowest(const Corner *const *q) {
 
 // The same for the visible part of any triangle; far beyond the image if nothing is visible.
 static inline D4 lowest_visible(const Corner *const *q, const Camera *k) {
-    const double w[3] = {q[0]->at[2], q[1]->at[2], q[2]->at[2]}, near = k->near, far = k->far, cut = cut_of(k);
+    const double w[3] = {q[0]->at[3], q[1]->at[3], q[2]->at[3]}, near = k->near, far = k->far, cut = cut_of(k);
     D4 low = all_four(FARTHEST);
     if ((w[0] < near && w[1] < near && w[2] < near) || (w[0] > far && w[1] > far && w[2] > far)) return low;
+    // of parallel rays, all points have a place
+    if (k->parallel) return lowest(q);
     EACH(i, 3) {
         const int n = (i + 1) % 3;
         if (w[i] >= cut) low = lesser_four(low, q[i]->place);

@@ -28,24 +28,24 @@ static int may_be_seen(const Camera *k, const float *m, const float *s, float *n
     float x[3], q[3], length[4];
     EACH(i, 3) x[i] = m[4 * i] * s[0] + m[4 * i + 1] * s[1] + m[4 * i + 2] * s[2] + m[4 * i + 3] - k->eye[i];
     EACH(i, 3) q[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
-    const float size = s[3] * stretch_of(m);
+    const float size = s[3] * stretch_of(m), w = k->parallel ? 1 : q[2];
     *nearest = q[2] - size;
     if (!(q[2] >= k->near - size && q[2] <= k->far + size)) return 0;
-    if (q[2] > size && (fx > fy ? fx : fy) * size < SMALLEST * q[2]) return 0;
-    EACH(i, 4) length[i] = sqrtf((i < 2 ? fx * fx : fy * fy) + side[i] * side[i]);
-    if (side[0] * q[2] + fx * q[0] < -size * length[0] || side[1] * q[2] - fx * q[0] < -size * length[1]) return 0;
-    return side[2] * q[2] + fy * q[1] >= -size * length[2] && side[3] * q[2] - fy * q[1] >= -size * length[3];
+    if (q[2] > size && (fx > fy ? fx : fy) * size < SMALLEST * w) return 0;
+    EACH(i, 4) length[i] = sqrtf((i < 2 ? fx * fx : fy * fy) + (k->parallel ? 0 : side[i] * side[i]));
+    if (side[0] * w + fx * q[0] < -size * length[0] || side[1] * w - fx * q[0] < -size * length[1]) return 0;
+    return side[2] * w + fy * q[1] >= -size * length[2] && side[3] * w - fy * q[1] >= -size * length[3];
 }
 
 // Whether a box is beside the image or behind the camera, with all that is in it. In double precision: a sample is at
 // least a tenth of a pixel from the border of the image, which is more than all rounding errors.
 static int is_beside(const Camera *k, const float *m, const float *box) {
-    double a[3][4], sides[5][4];
+    double a[4][4], sides[5][4];
     projection(k, m, a);
     EACH(i, 4) {
         sides[0][i] = a[0][i], sides[1][i] = k->width * a[2][i] - a[0][i];
         sides[2][i] = a[1][i], sides[3][i] = k->height * a[2][i] - a[1][i];
-        sides[4][i] = a[2][i] - (i == 3 ? (double)k->near : 0);
+        sides[4][i] = a[3][i] - (i == 3 ? (double)k->near : 0);
     }
     EACH(n, 5) {
         double most = sides[n][3];

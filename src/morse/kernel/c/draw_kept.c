@@ -27,9 +27,10 @@ static inline int32_t tile_of(double pixel, int32_t count) {
 
 // The coordinates that a sphere may have in an image: those of a box around it. `far` and `near` are the depths of its
 // ends.
-static inline void extent(double middle, double size, double near, double far, double focal, double centre, double *low,
-                          double *high) {
+static inline void extent(const Camera *k, double middle, double size, double near, double far, double focal,
+                          double centre, double *low, double *high) {
     const double a = middle - size, b = middle + size;
+    if (k->parallel) near = far = 1;
     *low = focal * (a / (a < 0 ? near : far)) + centre - PIXEL_MARGIN;
     *high = focal * (b / (b < 0 ? far : near)) + centre + PIXEL_MARGIN;
 }
@@ -50,8 +51,8 @@ Region draw_tiles_around(const Camera *k, const float *model, const float *spher
     if (far < (double)k->near * 0.99 || near > (double)k->far * 1.01) return none;
     // triangles are clipped there
     const double cut = cut_of(k) * 0.99, first = near < cut ? cut : near;
-    extent(q[0], size, first, far, k->fx, k->cx, &x0, &x1);
-    extent(q[1], size, first, far, k->fy, k->cy, &y0, &y1);
+    extent(k, q[0], size, first, far, k->fx, k->cx, &x0, &x1);
+    extent(k, q[1], size, first, far, k->fy, k->cy, &y0, &y1);
     if (!(x1 > 0 && y1 > 0 && x0 < k->width && y0 < k->height)) return x1 - x1 == 0 && y1 - y1 == 0 ? none : all;
     return (Region){tile_of(x0, across), tile_of(y0, down), tile_of(x1 + TILE, across), tile_of(y1 + TILE, down)};
 }

@@ -44,9 +44,8 @@ static inline V3 visible(V3 c) { return (V3){within(c.x, 0, 1), within(c.y, 0, 1
 
 // The directions of eight samples, for a depth of 1.
 static inline V3 ray_of(const Camera *k, F8 x, F8 y) {
-    const float *r = k->axes;
-    const F8 cx = (x - k->cx) * (1 / k->fx), cy = (y - k->cy) * (1 / k->fy);
-    return (V3){r[0] * cx + r[3] * cy + r[6], r[1] * cx + r[4] * cy + r[7], r[2] * cx + r[5] * cy + r[8]};
+    const V3 forward = everywhere(k->axes + 6);
+    return k->parallel ? forward : sum(aside_of(k, x, y), forward);
 }
 
 // The light of the sky in groups of eight samples, 0 to 1: step by step, because each step waits for the one before.
@@ -69,8 +68,10 @@ static __attribute__((noinline)) void shade_sky(const Frame *f, const Camera *k,
 // The textures of eight samples, and where they are.
 static inline void look_closer(const Frame *f, const Camera *k, Looks *l) {
     add_textures(f, l);
-    l->ray = ray_of(k, l->x, l->y), l->depth = 1 / l->inverse;
-    l->place = sum(everywhere(k->eye), scaled(l->ray, l->depth)), l->normal = unit((V3){l->nx, l->ny, l->nz});
+    l->ray = ray_of(k, l->x, l->y), l->depth = depth_at(k, l->inverse);
+    l->place = sum(everywhere(k->eye), scaled(l->ray, l->depth));
+    if (k->parallel) l->place = sum(l->place, aside_of(k, l->x, l->y));
+    l->normal = unit((V3){l->nx, l->ny, l->nz});
 }
 
 // The light of surfaces in eight samples, 0 to 1.
@@ -377,7 +378,7 @@ static void draw_block(const Frame *f, const Camera *k, Work *w, int column, int
         } else {
             inverse = row_of(surface, columns, (float)y + 0.5f + by[1]);
         }
-        write_surfaces(f, pick(shown < 0, splat(0), 1 / inverse), ids, count, pixel);
+        write_surfaces(f, pick(shown < 0, splat(0), depth_at(k, inverse)), ids, count, pixel);
         if (k->normals) write_normals(f, k, w, shown, x, y, count, f->normals + pixel);
         if (!k->color) continue;
         const Row row = {shown[0], 0, (int16_t)x, (int16_t)y};
@@ -414,7 +415,7 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
     if (fill_tile(f, k, tile)) return;
     Tile *t = &w->tile;
     const int left = f->tiles[tile][1], top = f->tiles[tile][2], samples = k->color ? f->sample_count : 1;
-    clear(f, t, left, top, samples, k->near, k->far);
+    clear(f, k, t, left, top, samples);
     for (int64_t m = f->firsts[tile], end = f->firsts[tile + 1]; m < end; m++) {
         const int32_t ahead = f->members[m + AHEAD < end ? m + AHEAD : m];
         __builtin_prefetch(f->seen + ahead), __builtin_prefetch(f->bounds + ahead);

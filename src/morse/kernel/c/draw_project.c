@@ -84,8 +84,12 @@ static inline int hides_back(int flags, int closed) {
     return !(flags & DOUBLE_SIDED) | ((closed != 0) & !(flags & (MASKED | DITHERED)));
 }
 
+// Of parallel rays, see `depth_at`.
+static inline D4 nearness(const Camera *k, const Corner *q) { return all_four((double)reach_of(k) - q->at[3]); }
+
 // The planes of a triangle; 0 if it is not visible from this side.
-static inline int planes(const Frame *f, const Part *part, const Corner *const *q, int closed, Seen *s) {
+static inline int planes(const Frame *f, const Camera *k, const Part *part, const Corner *const *q, int closed,
+                         Seen *s) {
     const D4 e[3] = {cross(q[1]->at, q[2]->at), cross(q[2]->at, q[0]->at), cross(q[0]->at, q[1]->at)};
     const D4 terms = q[0]->at * e[0];
     const double volume = terms[0] + terms[1] + terms[2];
@@ -96,7 +100,9 @@ static inline int planes(const Frame *f, const Part *part, const Corner *const *
     const D4 sign = all_four(volume > 0 ? 1 : -1);
     // each of them writes one number too many, which the next one replaces
     EACH(i, 3) store(s->e[i], sign * e[i]);
-    store(s->w, (e[0] + e[1] + e[2]) / all_four(volume));
+    const D4 w = k->parallel ? e[0] * nearness(k, q[0]) + e[1] * nearness(k, q[1]) + e[2] * nearness(k, q[2])
+                             : e[0] + e[1] + e[2];
+    store(s->w, w / all_four(volume));
     s->back = back;
     return fabsf(s->w[0]) + fabsf(s->w[1]) + fabsf(s->w[2]) < LARGEST;
 }
@@ -159,7 +165,7 @@ static int64_t project_part(const Frame *f, const Camera *k, const Grid *g, int3
                             int32_t *share) {
     Corner corners[MOST_VERTICES];
     Candidate candidates[MOST_TRIANGLES + 1];
-    double a[3][4];
+    double a[4][4];
     const Part *part = f->parts + number;
     const Cluster *cluster = f->clusters + part->cluster;
     projection(k, f->models[part->instance], a);
@@ -178,7 +184,7 @@ static int64_t project_part(const Frame *f, const Camera *k, const Grid *g, int3
         Bounds *b = f->bounds + to;
         *b = (Bounds){(int16_t)low[0], (int16_t)low[1], (int16_t)-low[2], (int16_t)-low[3]};
         s->material = candidate->material;
-        if (!planes(f, part, q, closed & f->closed[t], s) || !reaches_samples(s, b, g)) continue;
+        if (!planes(f, k, part, q, closed & f->closed[t], s) || !reaches_samples(s, b, g)) continue;
         s->triangle = t, s->part = number;
         add_to_tiles(f, k, to++, share, NULL);
     }

@@ -23,7 +23,7 @@ typedef struct {
     V3 at, most;
 } Corners8;
 
-// Bounds of 1 / depth of the surfaces in a block; 0 if it has none.
+// Bounds of what `depth_at` converts, of the surfaces in a block; 0 if it has none.
 static inline int depths_in(const Frame *f, const Tile *t, int column, int row, Extent x, float *low, float *high) {
     const int32_t flat = t->flat[column][row];
     if (flat == -1) return 0;
@@ -49,7 +49,8 @@ static inline F8 size_of(F8 a) { return greater(a, -a); }
 static inline Corners8 corners_of(const Camera *k, Extent e, float nearest, float farthest) {
     const F8 x = {e.x0, e.x1, e.x0, e.x1, e.x0, e.x1, e.x0, e.x1}, y = {e.y0, e.y0, e.y1, e.y1, e.y0, e.y0, e.y1, e.y1};
     const F8 depth = {nearest, nearest, nearest, nearest, farthest, farthest, farthest, farthest};
-    const F8 right = (x - k->cx) * (1 / k->fx) * depth, down = (y - k->cy) * (1 / k->fy) * depth;
+    const F8 w = k->parallel ? splat(1) : depth;
+    const F8 right = (x - k->cx) * (1 / k->fx) * w, down = (y - k->cy) * (1 / k->fy) * w;
     const float *r = k->axes, *o = k->eye;
     const F8 far = size_of(right) + size_of(down) + depth;
     return (Corners8){
@@ -123,6 +124,14 @@ static inline void include_classic(const Frame *f, const Corners8 *c, int32_t (*
     }
 }
 
+// The depth of a bound that is moved outward by rounding errors: towards the camera if `side` is 1, away from it if -1.
+static inline float depth_within(const Camera *k, float inverse, float side) {
+    const float reach = reach_of(k), error = side * DEPTH_ROUNDING;
+    const float depth = k->parallel ? reach - inverse - error * reach : 1 / (inverse * (1 + error));
+    // all visible surfaces are between the near and the far plane; false for NaN
+    return side > 0 ? (depth > k->near ? depth : k->near) : (depth < k->far && depth > 0 ? depth : k->far);
+}
+
 // Sets the texels of each map that are read for a tile: x0, y0, x1, y1, one past the end.
 static void find_reads(const Frame *f, const Camera *k, const Tile *t, int32_t (*reads)[4]) {
     EACH(i, READS) reads[i][0] = reads[i][1] = INT32_MAX, reads[i][2] = reads[i][3] = 0;
@@ -132,10 +141,7 @@ static void find_reads(const Frame *f, const Camera *k, const Tile *t, int32_t (
         float low, high;
         if (t->left + x >= k->width || t->top + y >= k->height || !depths_in(f, t, column, row, e, &low, &high))
             continue;
-        // all visible surfaces are between the near and the far plane; false for NaN
-        low = low * (1 - DEPTH_ROUNDING) > 1 / k->far ? low * (1 - DEPTH_ROUNDING) : 1 / k->far;
-        high = high * (1 + DEPTH_ROUNDING) < 1 / k->near ? high * (1 + DEPTH_ROUNDING) : 1 / k->near;
-        const Corners8 c = corners_of(k, e, 1 / high, 1 / low);
+        const Corners8 c = corners_of(k, e, depth_within(k, high, 1), depth_within(k, low, -1));
         if (f->classic) {
             include_classic(f, &c, reads);
             continue;

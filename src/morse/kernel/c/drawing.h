@@ -17,15 +17,18 @@ enum { MIRRORED = 2, SOLID = 4 };
 // Closed parts of a mesh: of one material, and of several.
 enum { CLOSED = 1, MIXED = 2 };
 
-// A pinhole camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile. `tolerance`
-// is the allowed error of surfaces, relative to their depth. An orthographic camera is `shift` before a pinhole that is
-// far away; 0 for pinholes.
+// A camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile. `tolerance` is the
+// allowed error of surfaces, relative to their depth. The rays of pinholes begin at the eye, those of `parallel`
+// cameras in a plane through it: `fx` and `fy` are pixels per m then.
 typedef struct {
     float fx, fy, cx, cy, near, far, axes[9], eye[3], exposure, tolerance;
     int32_t width, height, tile, color, normals;
     int64_t pixel;
-    float shift;
+    int32_t parallel;
 } Camera;
+
+// The sum of the depths of the planes between which parallel rays see.
+static inline float reach_of(const Camera *k) { return k->near + k->far; }
 
 // In the classic look, FINE surfaces are lit at each pixel, as if their triangles were small, `metallic` is the
 // specular coefficient and `roughness` the exponent of highlights.

@@ -116,7 +116,7 @@ CAMERA = np.dtype(
         ("color", "i4"),
         ("normals", "i4"),
         ("pixel", "i8"),
-        ("shift", "f4"),
+        ("parallel", "i4"),
     ],
     align=True,
 )

@@ -30,10 +30,10 @@ class _Overlay(ctypes.Structure):
     )
 
 
-def depths_of(depths: NDArray[np.float32], background: float, shift: float) -> NDArray[np.float32]:
-    """Return the depths less `shift`, m; pixels without a surface have that of the background."""
+def depths_of(depths: NDArray[np.float32], background: float) -> NDArray[np.float32]:
+    """Return the depths, m; pixels without a surface have that of the background."""
     to = np.empty_like(depths)
-    library().morse_draw_depths(pointer(depths), c_int64(depths.size), c_float(background), c_float(shift), pointer(to))
+    library().morse_draw_depths(pointer(depths), c_int64(depths.size), c_float(background), pointer(to))
     return to
 
 
