@@ -234,6 +234,16 @@ def test_hospital(run):
     assert z == pytest.approx(3.5, abs=0.02)
 
 
+@pytest.mark.slow
+@example_test("mall")
+def test_mall(run):
+    met, shop, robot = run("mall")
+    # the visitor waited at the entrance, and is in the shop; the robot is back at its desk
+    assert met[0] < -17.0
+    assert math.dist(shop, (3.0, 8.5)) < 1.0
+    assert math.dist(robot, (-18.0, -0.8)) < 0.4
+
+
 @example_test("warehouse")
 def test_warehouse(run):
     load, (x, y, z) = run("warehouse")

@@ -63,6 +63,7 @@ MOMENTS = {
     "depot": 19.0,
     "warehouse": 20.5,
     "hospital": 27.0,
+    "mall": 33.0,
 }
 
 

@@ -114,3 +114,26 @@ def test_people_see_a_robot_that_replaces_another_one_within_a_tick(sim):
     sim.spawn("second", "ATRV", (5.0, 1.8, 0.1))
     sim.step(2)
     assert not sim.failures
+
+
+def test_a_crowd_knows_the_hall_in_which_it_is_and_no_more_of_the_world_than_its_cells_permit(load):
+    """Its ground reaches to the outer walls: people can be led through a hall of 60 m, and not through a plain."""
+    sim = load("""
+        for side in (-1, 1):
+            wall = Cube(f"wall {side}")
+            wall.scale = (30.0, 0.1, 1.0)
+            wall.translate(25.0, side * 4.0, 1.0)
+            wall.static()
+        far = Cube("far")
+        far.translate(3000.0, 0.0, 1.0)
+        far.static()
+        people = Crowd("people", 1)
+        people.start(places=[(0.0, 0.0)])
+        Environment("empty")
+    """)
+    ground = sim.people.component.ground
+    assert ground.cell == pytest.approx(0.1)
+    assert ground.shape[0] * ground.shape[1] < 600_000
+    sim.people.send(0, 50.0, 0.0).result()
+    sim.step(60 * 50)
+    assert math.dist(sim.people.data["positions"][0, :2], (50.0, 0.0)) < 1.0

@@ -443,3 +443,42 @@ def test_a_restored_state_has_the_gaps_of_its_time(load: Load):
 def test_cars_that_are_placed_on_their_roads_do_not_overlap_a_robot_at_the_origin(load: Load, caplog):
     load(ROBOT.format(place="0, 0") + "cars = Traffic()\ncars.road('r', [(-40, 20), (60, 20)], 3)" + GROUND + EMPTY)
     assert "overlap" not in caplog.text
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_truck_stays_on_its_lane_in_a_corner_of_90_degrees(load: Load, turn: int):
+    """Its four corners are within 1.75 m of the middle of a lane of 3.5 m with a radius of 13 m."""
+    simulation = load(f"""
+        cars = Traffic("cars", trucks=1.0)
+        cars.road("bend", [(-60, 0), (0, 0), (0, {60 * turn})], 1, speed=8.0, radius=13.0)
+        env = Environment("empty")
+        env.simulator_frequency(20)
+    """)
+    cars = simulation.cars.component
+    cars.front[0] = 14.0
+    # the middle of the lane: straight lines, and a quarter of a circle about (-13, 13)
+    widest, turned = 0.0, 0.0
+    for _ in range(20 * 12):
+        simulation.step(1)
+        (place,), (way,) = cars.local_data["positions"][:, :2], cars._ways
+        side = np.array([-way[1], way[0]])
+        for along in (-6.0, 6.0):
+            for across in (-0.9, 0.9):
+                x, y = (place + along * way + across * side) * (1, turn)
+                if x > -13.0 and y < 13.0:
+                    off = abs(math.dist((x, y), (-13.0, 13.0)) - 13.0)
+                else:
+                    off = abs(y) if y < 13.0 else abs(x)
+                widest = max(widest, off)
+        turned = max(turned, turn * way[1])
+    assert turned > 0.99
+    assert 0.9 <= widest < 1.75
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [("[(0, 0), (10, 0), (10, 50)]", "need 13.0 m"), ("[(0, 0), (50, 0), (1, 0)]", "turns back")],
+)
+def test_corners_without_room_for_an_arc_are_refused(load: Load, points: str, words: str):
+    with pytest.raises(Exception, match=words):
+        load(f"cars = Traffic()\ncars.road('a', {points}, 1, radius=13.0)" + EMPTY)

@@ -79,10 +79,11 @@ class Mesh(BlenderObject, Matter):
     def _solid_nodes(self) -> Iterator[Node]:
         yield self.scene_node
 
-    def color(self, r: float = 0.0, g: float = 0.0, b: float = 0.0) -> None:
-        """Set its colour: red, green, blue, 0..1."""
+    def color(self, r: float = 0.0, g: float = 0.0, b: float = 0.0, alpha: float = 1.0) -> None:
+        """Set its colour: red, green, blue, and the opacity, such as 0.3 for glass; all 0..1."""
         rgb = checks.color((r, g, b), f"{type(self).__name__}.color")
-        self.scene_node.materials = [Material(self.name, (*rgb, 1.0))]
+        opacity = checks.share(alpha, f"{type(self).__name__}.color(alpha)")
+        self.scene_node.materials = [Material(self.name, (*rgb, opacity))]
 
 
 class Cube(Mesh):

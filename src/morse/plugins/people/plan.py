@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from morse.plugins.people.errands import Queue, line_back, phases
 from morse.plugins.people.members import declared
 from morse.plugins.people.members import flows as member_flows
 from morse.plugins.people.recorded import checked
-from morse.plugins.people.wayfinding import Ground, Way, walls
+from morse.plugins.people.wayfinding import CELL, Ground, Way, walls
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
@@ -24,9 +25,13 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
     Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
 
-#: m, around starts and goals, in which ways are searched
-_AROUND = 12.0
+#: m, around starts and goals, in which ways are searched at least; the ground also reaches to the outer walls of the
+#: scene, and beyond these, if it has at most so many cells then
+_AROUND, _BEYOND, _MOST_CELLS = 12.0, 2.0, 500_000
+#: m: in such steps it grows
+_GROWS = 2.0
 #: m: how far from a solid object people stop who go to it
 _BESIDE = 3.0
 #: m: nobody begins in something of at least that height
@@ -119,7 +124,7 @@ class Plan:
         return [{**begin, "count": count, "goals": goals, "then": "repeat", "wait": 0.0} for count, goals in ways]
 
     def _survey(self, radius: float) -> Ground:
-        """Return the ground around the starts and goals, with the walls of the scene."""
+        """Return the ground around the starts and goals, and between the walls of the scene."""
         points: list[Floats] = [np.array(flow["area"])[:, :2] for flow in self.flows]
         points += [np.atleast_2d(goal)[:, :2] for flow in self.flows for goal in self._places(flow)]
         points += [shaft.world(shaft.slots) for shaft in self._floors.shafts]
@@ -142,10 +147,9 @@ class Plan:
                 (loose if moves else fixed).append(node)
             stack += [(child, moves) for child in node.children]
         heights = self._floors.heights[: self._floors.count].tolist()
-        grounds = [
-            Ground([*walls(fixed, one), *self._floors.walls(floor)], low, high, radius, self._floors.grounds)
-            for floor, one in enumerate(heights)
-        ]
+        around = [[*walls(fixed, one), *self._floors.walls(floor)] for floor, one in enumerate(heights)]
+        low, high = _reach(low, high, [polygon for own in around for polygon in own], self._floors.grounds)
+        grounds = [Ground(own, low, high, radius, self._floors.grounds) for own in around]
         self._floors.spread(grounds[0].breadth, low, high)
         self.loose = [
             outline + shift
@@ -230,6 +234,31 @@ class Plan:
             raise MorseRPCInvokationError(f"nobody can stand at ({x:g}, {y:g}), or within {_BESIDE:g} m of it")
         return way, place
 
+    @cached_property
+    def routes(self) -> tuple[list[Way], Indices, Indices]:
+        """The ways of all flows, each one once; the numbers of those to goals; the numbers of those without stairs.
+
+        The numbers (F + 1, G) are -1 where there is no goal, as in the last row, of people who belong to no flow; those
+        (W + 1,) without stairs have the -1 of these people at the end. It takes flows that have their ways.
+        """
+        most = max((len(flow["ways"]) for flow in self.flows), default=0)
+        numbers = np.full((len(self.flows) + 1, max(most, 1)), -1, dtype=np.intp)
+        ways: list[Way] = []
+        known: dict[int, int] = {}
+
+        def number_of(way: Way) -> int:
+            if id(way) not in known:
+                known[id(way)] = len(ways)
+                ways.append(way)
+            return known[id(way)]
+
+        for number, flow in enumerate(self.flows):
+            for stage, way in enumerate(flow["ways"]):
+                numbers[number, stage] = number_of(way)
+        level = [number_of(way.level or way) for way in list(ways)]
+        # those without stairs lead to themselves
+        return ways, numbers, np.array([*level, *range(len(level), len(ways)), -1], dtype=np.intp)
+
     def ways_of(self, flow: dict[str, Any]) -> list[Way]:
         """Return the ways to the goals of a flow, and find its line and its seats.
 
@@ -260,3 +289,25 @@ class Plan:
                 raise MorseError(f"{self._name}: nobody can stand in {flow['area']!r:.80}: there are walls")
             ways.append(home)
         return ways
+
+
+def _reach(low: Floats, high: Floats, polygons: list[Floats], floors: int) -> tuple[Floats, Floats]:
+    """Return the corners (2,), (2,) of a ground that reaches as far to the outer walls as its number of cells permits.
+
+    Args:
+        low, high: (2,) corners that it has at least, m.
+        polygons: (V, 2) walls, m.
+        floors: number of floors, each with a ground of that size.
+    """
+    if not polygons:
+        return low, high
+    points = np.concatenate(polygons)
+    first, last = points.min(axis=0) - _BEYOND, points.max(axis=0) + _BEYOND
+    begin, end = low, high
+    for step in range(1, int(math.sqrt(_MOST_CELLS) * CELL / _GROWS) + 1):
+        wider = np.minimum(low, np.maximum(low - step * _GROWS, first))
+        farther = np.maximum(high, np.minimum(high + step * _GROWS, last))
+        if float(np.prod(farther - wider)) * floors > _MOST_CELLS * CELL * CELL:
+            break
+        begin, end = wider, farther
+    return begin, end

@@ -15,10 +15,13 @@ from morse.plugins.people.walking import length
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from morse.plugins.people.agenda import Agenda
     from morse.plugins.people.following import Trails
     from morse.plugins.people.plan import Plan
     from morse.plugins.people.walking import Walkers
+    from morse.plugins.people.wayfinding import Way
 
 #: m: people who are that near to a goal come there at the same time
 _CROWDED = 1.5
@@ -34,22 +37,30 @@ def advance(plan: Plan, agenda: Agenda, walkers: Walkers, now: float) -> None:
         now: s.
     """
     for number, flow in enumerate(plan.flows):
-        mine = agenda.flow == number
-        if flow.get("next") and now >= flow["next"][0] and mine.any():
+        if flow.get("next") and now >= flow["next"][0] and (agenda.flow == number).any():
             number_of_next = flow["next"][1]
-            agenda.change(np.flatnonzero(mine), number_of_next, plan.flows[number_of_next])
+            agenda.change(np.flatnonzero(agenda.flow == number), number_of_next, plan.flows[number_of_next])
+    ways, which = _walked(plan, agenda, walkers)
+    left_of_all = plan.ground.times(ways, which, walkers.position)
+    # nobody arrives who is farther away than where all would stand side by side
+    goes_on = np.isin(agenda.mode, (WAITS, SITS)) & (agenda.until <= now)
+    goes_on |= left_of_all < ARRIVES + 0.35 * math.sqrt(len(which))
+    busy = set(np.unique(agenda.flow[goes_on]).tolist())
+    for number, flow in enumerate(plan.flows):
+        if number not in busy and flow["then"] not in ("queue", "sit"):
             continue
+        mine = agenda.flow == number
         count = len(flow["ways"])
-        for stage, way in enumerate(flow["ways"]):
+        for stage in range(count):
             rows = np.flatnonzero(mine & (agenda.mode == WALKS) & (agenda.stage == stage))
             is_counter = flow["then"] == "queue" and stage == count - 2
             if is_counter:
-                agenda.stand_in_line(flow["queue"], rows, walkers.time_on(way, rows), mine, walkers.position, now)
+                agenda.stand_in_line(flow["queue"], rows, left_of_all[rows], mine, walkers.position, now)
             is_seat = flow["then"] == "sit" and stage < count - 1
             if is_counter or not (len(rows) or is_seat):
                 continue
             there = mine & (agenda.stage == stage) & np.isin(agenda.mode, (WAITS, ARRIVED, SITS))
-            left = walkers.time_on(way, rows)
+            left = left_of_all[rows]
             # those who come and those who are there have room side by side: 2.6 people on a square metre
             crowded = int(there.sum()) + (0 if is_seat else int((left < _CROWDED).sum()) - 1)
             rows = rows[left < ARRIVES + 0.35 * math.sqrt(max(crowded, 0))]
@@ -79,6 +90,13 @@ def advance(plan: Plan, agenda: Agenda, walkers: Walkers, now: float) -> None:
     walkers.present = agenda.present()
 
 
+def _walked(plan: Plan, agenda: Agenda, walkers: Walkers) -> tuple[list[Way], NDArray[np.intp]]:
+    """Return the ways of a plan, and the number (N,) of that on which each person walks; -1 for those who do not."""
+    ways, numbers, level = plan.routes
+    which = np.where(agenda.mode == WALKS, numbers[agenda.flow, agenda.stage], -1)
+    return ways, np.where(walkers.level, level[which], which)
+
+
 def look_ahead(plan: Plan, agenda: Agenda, walkers: Walkers) -> None:
     """Set where everybody wants to go who follows nobody.
 
@@ -88,12 +106,7 @@ def look_ahead(plan: Plan, agenda: Agenda, walkers: Walkers) -> None:
         walkers: people; their ``wanted`` is set.
     """
     wanted, position = walkers.wanted, walkers.position
-    wanted[:] = 0.0
-    for number, flow in enumerate(plan.flows):
-        for stage, way in enumerate(flow["ways"]):
-            rows = np.flatnonzero((agenda.flow == number) & (agenda.mode == WALKS) & (agenda.stage == stage))
-            if len(rows):
-                wanted[rows] = walkers.heading_on(way, rows)
+    wanted[:] = plan.ground.headings(*_walked(plan, agenda, walkers), position)
     queues, sits = np.flatnonzero(agenda.mode == QUEUES), np.flatnonzero(agenda.mode == SITS)
     wanted[queues] = steps_to(position[queues], agenda.target[queues])
     # seated people look to where they came from

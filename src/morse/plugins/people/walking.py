@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from morse.kernel.walking import directions
 from morse.mathutils import portable
 
 if TYPE_CHECKING:
@@ -100,7 +101,9 @@ _BY_WALLS = 0.75
 #: m, in which people look for a free way (2011: 8 m, of few people)
 _SIGHT = 3.0
 #: cosines and sines of the other directions: 12 to 84 degrees, to the right first, the side to which people give way
-_TURNS = tuple((math.cos(a), math.sin(a)) for k in range(1, 8) for a in (-k * math.radians(12), k * math.radians(12)))
+_TURNS = np.array(
+    [(math.cos(a), math.sin(a)) for k in range(1, 8) for a in (-k * math.radians(12), k * math.radians(12))]
+)
 #: m, cut-off of the repulsion: beyond it, it is below 1 % of gravity even at full speed
 _REACH = 2.5
 #: m: members of groups that are farther from their middle are on another floor, or lost
@@ -333,48 +336,11 @@ class Walkers:
 
         Of each direction counts how far one walks at the free speed before the first collision, at most `_SIGHT`.
         """
-        i, speed = pairs.first, self.free_speed
-        straight = self._free_way(pairs, self.wanted)
-        rows = np.flatnonzero((straight < _SIGHT) & (self.wanted != 0.0).any(axis=1) & self.present)
-        if not len(rows):
-            return self.wanted
-        best = _SIGHT * _SIGHT + straight * straight - 2.0 * _SIGHT * straight
-        result, involved = self.wanted.copy(), np.zeros(len(speed), dtype=bool)
-        involved[rows] = True
-        keep = involved[i]
-        near = Pairs(
-            *(i[keep], pairs.apart[keep], pairs.distance[keep], pairs.velocity[keep], pairs.radii[keep]),
-            second=pairs.second[keep],
+        return directions(
+            *(pairs.first, pairs.apart, pairs.velocity, pairs.distance, pairs.radii, self.position, self.wanted),
+            *(self.free_speed, _BY_WALLS * self.radius, self.present, self.ground.gap, self.ground.origin),
+            *(self.ground.cell, _SIGHT, _TURNS),
         )
-        for cosine, sine in _TURNS:
-            x, y = self.wanted[:, 0], self.wanted[:, 1]
-            way = np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
-            free = self._free_way(near, way, rows)
-            cost = _SIGHT * _SIGHT + free * free - 2.0 * _SIGHT * free * cosine
-            better = involved & (cost < best - 1e-9)
-            best = np.where(better, cost, best)
-            result[better] = way[better]
-        return result
-
-    def _free_way(self, pairs: Pairs, way: Floats, rows: Indices | None = None) -> Floats:
-        """Return how far (N,) people come in some directions (N, 2) at their free speeds, m, at most `_SIGHT`."""
-        i, speed = pairs.first, self.free_speed
-        relative = way[i] * speed[i][:, None] - pairs.velocity
-        closing = -(relative * pairs.apart).sum(axis=1)
-        squared = np.maximum((relative * relative).sum(axis=1), _TINY)
-        # bodies that touch already do not count, unless one walks into them
-        radii = np.minimum(pairs.radii, 0.98 * pairs.distance)
-        root = closing * closing - squared * (pairs.distance * pairs.distance - radii * radii)
-        meets = (closing > 0.0) & (root > 0.0)
-        time = (closing[meets] - np.sqrt(root[meets])) / squared[meets]
-        free = np.full(len(speed), _SIGHT)
-        np.minimum.at(free, i[meets], np.maximum(time, 0.0) * speed[i[meets]])
-        rows = np.arange(len(speed)) if rows is None else rows
-        for ahead in (1.2, 0.6):
-            gap, _ = self.ground.clearance(self.position[rows] + ahead * way[rows])
-            shut = rows[gap < _BY_WALLS * self.radius[rows]]
-            free[shut] = np.minimum(free[shut], 0.5 * ahead)
-        return free
 
     def _room_ahead(self, pairs: Pairs, way: Floats) -> Floats:
         """Return the gaps (N,) to the next body ahead, m: of those whose bodies are in the way (Tordeux 2016)."""

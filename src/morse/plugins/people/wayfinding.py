@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from morse.kernel.walking import arrival, wall
 from morse.scene import ShapeKind
 from morse.scene.extent import corners
 from morse.scene.frames import rigid_frame
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: m, of a cell; larger cells in areas that would have more than `_MOST` cells
-_CELL, _MOST = 0.1, 1_500_000
+CELL, _MOST = 0.1, 1_500_000
 #: m: distances to walls are known up to this
 FAR = 3.0
 #: m: bodies of people are wider than what they step over, and lower than what they pass below
@@ -189,7 +190,7 @@ class Ground:
         slow: float = 1.0,
     ) -> None:
         size = np.maximum(np.asarray(high, dtype=np.float64) - low, 1.0)
-        self.cell = max(_CELL, math.sqrt(float(size[0] * size[1]) * floors / _MOST))
+        self.cell = max(CELL, math.sqrt(float(size[0] * size[1]) * floors / _MOST))
         self.links: list[Link] = []
         self.parts = 1
         self.origin = np.asarray(low, dtype=np.float64)
@@ -204,7 +205,8 @@ class Ground:
         self.is_free = self.gap > radius
         self.is_free[[0, -1]] = self.is_free[:, [0, -1]] = False
         narrow = np.clip((self.gap - radius) / max(_ROOM - radius, 0.05), 0.0, 1.0)
-        self._slowness = slow / (_NARROW + (1.0 - _NARROW) * narrow)
+        #: (H, W) m, through a cell
+        self._times = slow * self.cell / (_NARROW + (1.0 - _NARROW) * narrow)
 
     @property
     def breadth(self) -> float:
@@ -228,7 +230,7 @@ class Ground:
         whole.shape = (first.shape[0], width * len(grounds))
         whole.is_free = np.hstack([one.is_free for one in grounds])
         whole._gradient = np.hstack([one._gradient for one in grounds])
-        whole._slowness = np.hstack([one._slowness for one in grounds])
+        whole._times = np.hstack([one._times for one in grounds])
         return whole
 
     def cell_at(self, point: Floats) -> int:
@@ -240,11 +242,7 @@ class Ground:
         rows, columns = self._window(polygon.min(axis=0) - FAR, polygon.max(axis=0) + FAR)
         if rows.stop <= rows.start or columns.stop <= columns.start:
             return
-        x = self.origin[0] + self.cell * np.arange(columns.start, columns.stop)
-        y = self.origin[1] + self.cell * np.arange(rows.start, rows.stop)
-        points = np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1).reshape(-1, 2)
-        part = self.gap[rows, columns]
-        np.minimum(part, distance_to(polygon, points).reshape(part.shape), out=part)
+        wall(self.gap, polygon, rows, columns, self.origin, self.cell)
 
     def _window(self, low: Floats, high: Floats) -> tuple[slice, slice]:
         first = np.floor((low - self.origin) / self.cell).astype(int)
@@ -280,25 +278,42 @@ class Ground:
 
     def heading(self, way: Way, points: Floats) -> Floats:
         """Return the unit vectors (N, 2) along a way; 0 where it ends, or where there is none."""
+        return self.headings([way], np.zeros(len(points), dtype=np.intp), points)
+
+    def headings(self, ways: Sequence[Way], which: NDArray[np.intp], points: Floats) -> Floats:
+        """Return the unit vectors (N, 2) of points (N, 2), each along the way of its number (N,); 0 for -1."""
         row, column, x, y = self._corners(points)
+        corners = np.zeros((4, len(points), 2))
+        for number in np.unique(which[which >= 0]).tolist():
+            rows = np.flatnonzero(which == number)
+            r, c, direction = row[rows], column[rows], ways[number].direction
+            for k in range(4):
+                corners[k, rows] = direction[r + k // 2, c + k % 2]
+        weights = ((1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y)
         total = np.zeros((len(points), 2))
-        for r, c, weight in (
-            (row, column, (1 - x) * (1 - y)),
-            (row, column + 1, x * (1 - y)),
-            (row + 1, column, (1 - x) * y),
-            (row + 1, column + 1, x * y),
-        ):
-            total += weight[:, None] * way.direction[r, c]
+        for weight, corner in zip(weights, corners, strict=True):
+            total += weight[:, None] * corner
         size = np.sqrt((total * total).sum(axis=1))
         unit: Floats = total / np.maximum(size, 1e-9)[:, None] * (size > 1e-6)[:, None]
         return unit
 
     def time(self, way: Way, points: Floats) -> Floats:
         """Return the lengths (N,) of the ways from points (N, 2), m; infinite where there is none."""
+        return self.times([way], np.zeros(len(points), dtype=np.intp), points)
+
+    def times(self, ways: Sequence[Way], which: NDArray[np.intp], points: Floats) -> Floats:
+        """Return the lengths (N,) of the ways from points (N, 2), each on the way of its number (N,), m.
+
+        They are infinite where there is none, and for the number -1.
+        """
         row, column, _, _ = self._corners(points)
         best = np.full(len(points), np.inf)
-        for r, c in ((row, column), (row, column + 1), (row + 1, column), (row + 1, column + 1)):
-            best = np.minimum(best, way.time[r, c])
+        for number in np.unique(which[which >= 0]).tolist():
+            rows = np.flatnonzero(which == number)
+            r, c, time = row[rows], column[rows], ways[number].time
+            best[rows] = np.minimum(
+                np.minimum(time[r, c], time[r, c + 1]), np.minimum(time[r + 1, c], time[r + 1, c + 1])
+            )
         return best
 
     def keep_out(self, before: Floats, after: Floats, radius: Floats) -> Floats:
@@ -377,45 +392,23 @@ class Ground:
         return Way(time, direction)
 
     def _arrival(self, goal: NDArray[np.bool_], links: Sequence[Link]) -> Floats:
-        """Solve the eikonal equation from some cells, front by front; every cell is visited until it stays the same."""
-        width = self.shape[1]
-        time = np.full(self.gap.size, np.inf)
-        free, slow = self.is_free.ravel(), self._slowness.ravel() * self.cell
-        start = np.flatnonzero(goal.ravel() & free)
-        time[start] = 0.0
-        around = np.array([1, -1, width, -width])
-        front = _unique((start[:, None] + around).ravel(), free)
-        while len(front) or len(front := self._linked(time, around, free, links)):
-            a = np.minimum(time[front - 1], time[front + 1])
-            b = np.minimum(time[front - width], time[front + width])
-            low, high, step = np.minimum(a, b), np.maximum(a, b), slow[front]
-            with np.errstate(invalid="ignore"):
-                root = 2.0 * step * step - (high - low) ** 2
-                both = 0.5 * (low + high + np.sqrt(np.maximum(root, 0.0)))
-            value = np.where((root > 0.0) & (high - low < step), both, low + step)
-            better = value < time[front] - 1e-6
-            changed = front[better]
-            time[changed] = value[better]
-            front = _unique((changed[:, None] + around).ravel(), free)
-        return time.reshape(self.shape)
+        """Solve the eikonal equation from some cells (H, W); links shorten the times until none does."""
+        time = np.where(goal & self.is_free, 0.0, np.inf)
+        seeds = np.flatnonzero(time == 0.0)
+        while len(seeds):
+            arrival(time, self.is_free, self._times, seeds)
+            seeds = self._linked(time.ravel(), links)
+        return time
 
-    def _linked(
-        self, time: Floats, around: NDArray[np.intp], free: NDArray[np.bool_], links: Sequence[Link]
-    ) -> NDArray[np.intp]:
-        """Let links shorten the times (H W,); return the cells beside those that are nearer now."""
-        changed = []
+    def _linked(self, time: Floats, links: Sequence[Link]) -> NDArray[np.intp]:
+        """Let links shorten the times (H W,); return the cells that are nearer now."""
+        changed = [np.zeros(0, dtype=np.intp)]
         for link in links:
             through = (time[link.cells][None, :] + link.costs).min(axis=1)
             better = through < time[link.cells] - 1e-6
             time[link.cells[better]] = through[better]
             changed.append(link.cells[better])
-        cells = np.concatenate(changed) if changed else np.zeros(0, dtype=np.intp)
-        return _unique((cells[:, None] + around).ravel(), free)
-
-
-def _unique(cells: NDArray[np.intp], free: NDArray[np.bool_]) -> NDArray[np.intp]:
-    cells = np.unique(cells)
-    return cells[free[cells]]
+        return np.concatenate(changed)
 
 
 def _slopes(values: Floats, cell: float) -> tuple[Floats, Floats]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 _MOST_CARS, _MOST_ROADS, _MOST_POINTS = 2000, 100, 1000
 _CAR, _TRUCK, _GAP = 4.6, 12.0, 2.0
+#: rad, of a part of an arc
+_ARC = 0.08
 
 
 class Traffic(Robot):
@@ -67,6 +70,8 @@ class Traffic(Robot):
         self._least_gap = values["Gap"]
         self._roads: dict[str, dict[str, Any]] = {}
         self._stops: list[tuple[str, float, Component | str]] = []
+        self._rules: list[tuple[list[str], list[str]]] = []
+        self._zebras: list[tuple[str, float, float]] = []
         self._lengths: list[float] = []
 
     def road(
@@ -80,6 +85,7 @@ class Traffic(Robot):
         speed: float = 13.9,
         closed: bool = False,
         over: float = 0.0,
+        radius: float = 0.0,
     ) -> None:
         """Add a road with cars. Those that reach the end of an open road enter it again at its beginning.
 
@@ -92,9 +98,11 @@ class Traffic(Robot):
             speed: speed that drivers desire on the free road, m/s.
             closed: whether the road leads from the last point back to the first one.
             over: s, in which the cars enter one after the other; 0 for all on the road at the start.
+            radius: of the middle of the road in its corners, m; 0 for the corners of the points. A truck of 12 m stays
+                on a lane of 3.5 m whose radius is 13 m.
 
         Raises:
-            ValueError: the road is too short for its cars, or a number is out of its range.
+            ValueError: the road is too short for its cars or its corners, or a number is out of its range.
         """
         what = "Traffic.road"
         if checks.text(name, f"{what}(name)") in self._roads:
@@ -114,6 +122,9 @@ class Traffic(Robot):
         wide = checks.number(width, f"{what}(width)", minimum=2.0, maximum=20.0)
         limit = checks.number(speed, f"{what}(speed)", minimum=0.5, maximum=80.0)
         seconds = checks.number(over, f"{what}(over)", minimum=0.0, maximum=1e6)
+        round_ = checks.number(radius, f"{what}(radius)", minimum=0.0, maximum=1e4)
+        if round_:
+            places = _rounded(places, round_, f"{what}(radius)", closed=is_closed)
         ends = zip(places, [*places[1:], *(places[:1] if is_closed else ())], strict=False)
         length = sum(((x - u) ** 2 + (y - v) ** 2) ** 0.5 for (x, y), (u, v) in ends)
         trucks = round(self._trucks * number)
@@ -146,18 +157,72 @@ class Traffic(Robot):
             TypeError: the light is no component.
         """
         what = "Traffic.stop"
-        if checks.text(road, f"{what}(road)") not in self._roads:
-            raise ValueError(f"{what}(road): there is no road '{road}'; there are {', '.join(self._roads) or 'none'}")
+        self._known(road, what)
         if not isinstance(light, str) and not hasattr(light, "scene_node"):
             raise TypeError(f"{what}(light) takes a traffic light or its name, got {checks.shown(light)}")
         where = checks.number(place, f"{what}(place)", minimum=0.0, maximum=1e5)
         self._stops.append((road, where, light))
+
+    def right_of_way(self, *roads: str, first: Iterable[str] = ()) -> None:
+        """Let the cars of roads that cross each other give way, where there are no traffic lights.
+
+        Those that come from the right go first; where each car waits for another one, the one that came first. Nobody
+        enters a crossing behind which there is no room.
+
+        Args:
+            roads: names of at least two roads.
+            first: names of those among them that have priority over the others.
+
+        Raises:
+            ValueError: there is no such road, or it has a rule already.
+        """
+        what = "Traffic.right_of_way"
+        names, leading = (
+            [self._known(one, what) for one in roads],
+            [self._known(one, what) for one in _names(first, what)],
+        )
+        if len(set(names)) < 2 or len(set(names)) < len(names):
+            raise ValueError(f"{what} takes two or more different roads that cross, got {', '.join(names) or 'none'}")
+        for one in leading:
+            if one not in names:
+                raise ValueError(f"{what}(first): '{one}' is none of the roads of this rule: {', '.join(names)}")
+        for known, _ in self._rules:
+            both = [one for one in names if one in known]
+            if len(both) > 1:
+                raise ValueError(f"{what}: there is a rule for {' and '.join(both)} already")
+        self._rules.append((names, leading))
+
+    def zebra(self, road: str, place: float, width: float = 4.0) -> None:
+        """Let the cars of a road wait for people, and robots, on a zebra crossing, or about to step on it.
+
+        Args:
+            road: its name; a street with two roads takes a call for each of them.
+            place: of the middle of the crossing along the road, m from its first point.
+            width: along the road, m.
+
+        Raises:
+            ValueError: there is no such road, or a number is out of its range.
+        """
+        name = self._known(road, "Traffic.zebra")
+        where = checks.number(place, "Traffic.zebra(place)", minimum=0.0, maximum=1e5)
+        self._zebras.append((name, where, checks.number(width, "Traffic.zebra(width)", minimum=0.5, maximum=50.0)))
+
+    def _known(self, road: str, what: str) -> str:
+        """Return the name of a road.
+
+        Raises:
+            ValueError: there is no such road.
+        """
+        if checks.text(road, f"{what}(road)") not in self._roads:
+            raise ValueError(f"{what}(road): there is no road '{road}'; there are {', '.join(self._roads) or 'none'}")
+        return road
 
     def _declaration(self, robot: AbstractComponent) -> ComponentDeclaration:
         # components have their names only now
         stops = [(road, place, one if isinstance(one, str) else str(one.name)) for road, place, one in self._stops]
         node = self.scene_node
         node.properties["Roads"], node.properties["Stops"] = json.dumps(self._roads), json.dumps(stops)
+        node.properties["Rules"], node.properties["Zebras"] = json.dumps(self._rules), json.dumps(self._zebras)
         node.properties["Lengths"] = json.dumps(self._lengths)
         from morse.builder import workspace
         from morse.plugins.traffic.roads import car
@@ -168,6 +233,12 @@ class Traffic(Robot):
             scene.add(body)
             scene.attach(node, body)
         return super()._declaration(robot)
+
+
+def _names(names: Iterable[str], what: str) -> list[str]:
+    if isinstance(names, str) or not hasattr(names, "__iter__"):
+        raise TypeError(f"{what}(first) takes a list of names, got {checks.shown(names)}")
+    return list(names)
 
 
 def _points(points: Iterable[Sequence[float]], what: str) -> list[list[float]]:
@@ -185,3 +256,43 @@ def _points(points: Iterable[Sequence[float]], what: str) -> list[list[float]]:
     if not 2 <= len(found) <= _MOST_POINTS:
         raise ValueError(f"{what} takes 2 to {_MOST_POINTS} points, got {len(found)} or more")
     return found
+
+
+def _rounded(points: list[list[float]], radius: float, what: str, *, closed: bool) -> list[list[float]]:
+    """Return points (P, 2) of a line with arcs in place of its corners, m.
+
+    Raises:
+        ValueError: there is no room for an arc.
+    """
+    count = len(points)
+    inner = range(count) if closed else range(1, count - 1)
+    arcs: dict[int, tuple[float, list[list[float]]]] = {number: (0.0, [points[number]]) for number in range(count)}
+    for number in inner:
+        before, corner, after = (points[(number + step) % count] for step in (-1, 0, 1))
+        begin = math.atan2(corner[1] - before[1], corner[0] - before[0])
+        turn = math.remainder(math.atan2(after[1] - corner[1], after[0] - corner[0]) - begin, math.tau)
+        if abs(turn) < 1e-6:
+            continue
+        if abs(turn) > 3.1:
+            raise ValueError(
+                f"{what}: the road turns back at ({corner[0]:g}, {corner[1]:g}): give it two corners there"
+            )
+        left = math.copysign(1.0, turn)
+        cut = radius * math.tan(0.5 * abs(turn))
+        # the middle of the arc
+        x = corner[0] - cut * math.cos(begin) - left * radius * math.sin(begin)
+        y = corner[1] - cut * math.sin(begin) + left * radius * math.cos(begin)
+        parts = max(1, math.ceil(abs(turn) / _ARC))
+        angles = [begin + turn * part / parts for part in range(parts + 1)]
+        arc = [[x + left * radius * math.sin(one), y - left * radius * math.cos(one)] for one in angles]
+        arcs[number] = cut, arc
+    for number in range(count if closed else count - 1):
+        (one, _), (two, _) = arcs[number], arcs[(number + 1) % count]
+        apart = math.dist(points[number], points[(number + 1) % count])
+        if one + two > apart - 0.01:
+            x, y = points[number]
+            raise ValueError(
+                f"{what}: arcs of {radius:g} m need {one + two:.1f} m between the corner at ({x:g}, {y:g}) and the "
+                f"next one, and there are {apart:.1f} m: a smaller radius, or longer parts"
+            )
+    return [place for number in range(count) for place in arcs[number][1]]

@@ -17,6 +17,7 @@ from morse.core.state import StateError
 from morse.core.validation.arguments import Range
 from morse.core.values import Fields
 from morse.helpers.components import add_data, add_property
+from morse.plugins.traffic.crossings import Cars, Crossings, Zebra, lines
 from morse.plugins.traffic.driving import Driver, Things, advance, follower, leaders, sort
 from morse.plugins.traffic.roads import WIDTH, Road
 from morse.scene import PhysicsType
@@ -104,6 +105,8 @@ class Traffic(Robot):
     _deviation: float
     _plan: str
     _stop_lines: str
+    _rules: str
+    _zebras: str
     _sizes: str
     add_property("_headway", 1.6, "Headway", "float", "Time gap to the car ahead", unit="s", low=0.1, high=20.0)
     add_property("_acceleration", 0.73, "Acceleration", "float", "Acceleration", unit="m/s^2", low=0.05, high=8.0)
@@ -114,6 +117,9 @@ class Traffic(Robot):
     add_property("_deviation", 0.0, "Deviation", "float", "Deviation of desired speeds, share", low=0.0, high=0.3)
     add_property("_plan", "{}", "Roads", "string", "Roads as JSON", written_by="Traffic.road(...)")
     add_property("_stop_lines", "[]", "Stops", "string", "Stop lines as JSON", written_by="Traffic.stop(...)")
+    add_property("_rules", "[]", "Rules", "string", "Roads that cross, and those with priority, as JSON",
+                 written_by="Traffic.right_of_way(...)")  # fmt: skip
+    add_property("_zebras", "[]", "Zebras", "string", "Zebra crossings as JSON", written_by="Traffic.zebra(...)")
     add_property("_sizes", "[]", "Lengths", "string", "Lengths of the cars, m, as JSON",
                  written_by="Traffic.road(count=...)")  # fmt: skip
 
@@ -139,6 +145,12 @@ class Traffic(Robot):
         ]
         self._length = np.array(json.loads(self._sizes), dtype=np.float64)
         count = len(self._length)
+        number_of = self._names.index
+        rules = [([*map(number_of, one)], [*map(number_of, first)]) for one, first in json.loads(self._rules)]
+        zebras = [Zebra(number_of(road), place, width) for road, place, width in json.loads(self._zebras)]
+        crossed = lines(self._roads, rules)
+        passes = np.zeros((count, len(crossed)), bool)
+        self._right_of_way = Crossings(self._roads, crossed, zebras, passes, np.full(count, np.inf))
         nodes = [node for node in obj.node.children if node.body.type is PhysicsType.KINEMATIC]
         self._rows = self.context.world.kinematic_bodies([self.context.world.object_of(node) for node in nodes])
         self._height = float(obj.world_pose()[0][2])
@@ -158,6 +170,7 @@ class Traffic(Robot):
             self._settle(number, one["over"])
         self._gaps = np.full(count, np.inf)
         self._drift = np.zeros(count)
+        self.there &= ~self._right_of_way.begins_inside(self._seen(self._gaps, np.zeros(count)))
         self._show()
 
     def _cross(self, number: int, other: int) -> bool:
@@ -250,6 +263,9 @@ class Traffic(Robot):
             own = self.driver.accelerations(self.speed[moves], desired[moves], apart, self.speed[moves] - other)
             acceleration[moves], gap[moves] = np.minimum(acceleration[moves], own), np.minimum(gap[moves], apart)
         gap, acceleration = self._stop_at_lights(gap, acceleration, desired)
+        if self._right_of_way.lines or self._right_of_way.zebras:
+            room = self._right_of_way.room(self._seen(gap, ahead), self.driver, self._beside, self.clock.time)
+            gap, acceleration = self._stop_before(room, room < gap, gap, acceleration, desired)
         acceleration = np.where(self.held, np.minimum(acceleration, -self.driver.deceleration), acceleration)
         self._change_lanes(things, acceleration, desired)
         front, speed = advance(self.front, self.speed, acceleration, self.clock.period)
@@ -258,6 +274,11 @@ class Traffic(Robot):
         self._steer()
         self._leave()
         self._show()
+
+    def _seen(self, gap: Floats, ahead: Floats) -> Cars:
+        """Return the cars, as their drivers see them, with the gaps to what is ahead, m, and its speeds, m/s."""
+        desired = self._limits[self.road] * self.factor
+        return Cars(*(self.road, self.there, self.front, self._length, self.speed, desired, self.lane, gap, ahead))
 
     def _things(self) -> Things:
         """Return all that is on the lanes."""
@@ -268,7 +289,7 @@ class Traffic(Robot):
         lane = begin + np.concatenate([self.lane[there], self.before[moves]])
         front = self.front[both]
         parts = [(lane, front, front - self._length[both], self.speed[both], both)]
-        others = self._others()
+        others = self._beside = self._others()
         for number, crossings in enumerate(self._crossings):
             if len(others.points):
                 parts += self._on_road(number, others)
@@ -362,11 +383,17 @@ class Traffic(Robot):
             waits = (self.road == number) & (apart >= 0.0) & (apart < gap)
             if state == "yellow":
                 waits &= self.speed * self.speed <= 2.0 * _YELLOW * np.maximum(apart, 0.01)
-            # the driver stops with the bumper near the line, not with the gap to a car
-            own = self.driver._replace(gap=0.5).accelerations(self.speed, desired, apart, self.speed)
-            acceleration = np.where(waits, np.minimum(acceleration, own), acceleration)
-            gap = np.where(waits, apart, gap)
+            gap, acceleration = self._stop_before(apart, waits, gap, acceleration, desired)
         return gap, acceleration
+
+    def _stop_before(
+        self, apart: Floats, waits: NDArray[np.bool_], gap: Floats, acceleration: Floats, desired: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return gaps and accelerations of cars, of which some stop at a line that is so far ahead, m."""
+        # the driver stops with the bumper near the line, not with the gap to a car
+        line = np.where(waits, apart, 1.0)
+        own = self.driver._replace(gap=0.5).accelerations(self.speed, desired, line, self.speed)
+        return np.where(waits, apart, gap), np.where(waits, np.minimum(acceleration, own), acceleration)
 
     def _change_lanes(self, things: Things, acceleration: Floats, desired: Floats) -> None:
         """Let drivers whose turn it is decide, one after the other."""
@@ -495,21 +522,9 @@ class Traffic(Robot):
     # -- states ----------------------------------------------------------------------------
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
-        names = (
-            "lane",
-            "before",
-            "front",
-            "speed",
-            "left",
-            "there",
-            "held",
-            "enters",
-            "factor",
-            "_limits",
-            "_drift",
-            "_gaps",
-        )
-        return {name: getattr(self, name) for name in names}
+        names = ("lane", "before", "front", "speed", "left", "there", "held", "enters", "factor", "_limits", "_drift")
+        found: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in (*names, "_gaps")}
+        return found | {"passes": self._right_of_way.passes, "since": self._right_of_way.since}
 
     def get_state(self) -> StateData:
         """See `Object.get_state`."""
@@ -531,8 +546,8 @@ class Traffic(Robot):
         for name, present in arrays.items():
             given = cars[name]
             fits = isinstance(given, np.ndarray) and given.dtype == present.dtype and given.shape == present.shape
-            # nothing may be ahead
-            known = given[~np.isinf(given)] if fits and name == "_gaps" else given
+            # nothing may be ahead, and who does not wait has no time of that
+            known = given[~np.isinf(given)] if fits and name in ("_gaps", "since") else given
             if not fits or not np.isfinite(known).all() or (np.abs(known.astype(np.float64)) > 1e6).any():
                 raise StateError(f"the cars of {self.name()} have another '{name}'")
         lanes = np.array([road.lanes for road in self._roads] or [1])[self.road]
@@ -542,5 +557,6 @@ class Traffic(Robot):
             raise StateError(f"the cars of {self.name()} are where, or as fast as, no car can be")
         super().set_state(state)
         for name in arrays:
-            setattr(self, name, cars[name].copy())
+            owner = self._right_of_way if name in ("passes", "since") else self
+            setattr(owner, name, cars[name].copy())
         self._show()
