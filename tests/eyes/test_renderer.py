@@ -384,6 +384,27 @@ def test_texture_coordinates(
     assert picture[round(row), round(column)][: len(expected)] == pytest.approx(expected, abs=8)
 
 
+@pytest.mark.parametrize(
+    ("centred", "material", "expected"),
+    [
+        # a plane 0.8 m wide, a quarter of which is 0.2 m from its middle: with 1.5 textures, 0.375 of one from that of
+        # the texture, or from a corner
+        (True, 'texrepeat="1.5 1.5"', (32, 32)),
+        (False, 'texrepeat="1.5 1.5"', (96, 96)),
+        (True, 'texrepeat="2 1" texuniform="true"', (77, 102)),
+        (False, 'texrepeat="2 1" texuniform="true"', (51, 26)),
+    ],
+)
+def test_textures_of_planes_are_where_the_version_of_mujoco_has_them(
+    centred: bool, material: str, expected: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morse.eyes.geoms._TEXTURES_ARE_CENTRED", centred)
+    picture = _textured('type="plane" size=".4 .4 1"', "2d", "above", material)
+    offset = round(0.1 * 50.5 / np.tan(np.radians(22.5)))
+    colour = picture[50 - offset, 50 - offset][:2]
+    assert colour == pytest.approx(expected, abs=8)
+
+
 def test_textures_of_any_size_are_where_they_belong() -> None:
     same, other = (_textured('type="plane" size=".4 .4 1"', "2d", "above", size=size) for size in (128, 100))
     inside = np.s_[30:70, 30:70, :2]

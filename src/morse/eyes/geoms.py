@@ -8,6 +8,7 @@ from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import mujoco
 import numpy as np
 
 from morse.eyes.shapes import GRID_REACH
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 # Types of geoms in MuJoCo (`mujoco.mjtGeom`), the same in all versions.
 PLANE, HFIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH, SDF = range(9)
 ARROW, ARROW1, ARROW2, LINE, LINEBOX, FLEX, SKIN, LABEL, TRIANGLE = range(100, 109)
+
+#: before that version of MuJoCo, the middle of a texture is in the middle of a plane; since then, a corner at a corner
+_TEXTURES_BEGIN_AT_CORNERS = (3, 12)
+_TEXTURES_ARE_CENTRED = tuple(map(int, mujoco.__version__.split(".")[:2])) < _TEXTURES_BEGIN_AT_CORNERS
 
 #: the fields of `mujoco.MjvGeom` that are read
 _FIELDS = {
@@ -236,7 +241,8 @@ class Instances(NamedTuple):
                         self.maps[row, axis], self.maps[row, 2 + axis] = repeat * size / GRID_REACH, 0.5
                     else:
                         whole = repeat * (size if geom["texuniform"] else 1.0)
-                        self.maps[row, axis], self.maps[row, 2 + axis] = whole / GRID_REACH, whole / 2
+                        self.maps[row, axis] = whole / GRID_REACH
+                        self.maps[row, 2 + axis] = 0.5 if _TEXTURES_ARE_CENTRED else whole / 2
                     scales[number, axis] = size / GRID_REACH
         if len(self.lines):
             scales = scales.copy()
@@ -548,5 +554,8 @@ class Look:
             planar[:, None], np.where(uniform, 1.0, 1.0 / size), np.where(uniform, size, 1.0)
         )
         maps[planar, 2:] = 0.5
+        if _TEXTURES_ARE_CENTRED:
+            planes = own["type"] == PLANE
+            maps[planes, 2:] = 0.5 - maps[planes, :2] / 2
         maps[slots == 6] = 1.0, 1.0, 0.0, 0.0
         return maps
