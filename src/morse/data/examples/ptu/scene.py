@@ -5,7 +5,7 @@ from morse.builder import *
 robot = ATRV()
 
 ptu = PTU()
-ptu.translate(x=0.22, z=0.78)  # on the mast
+ptu.translate(x=0.22, z=0.72)  # on the mast
 robot.append(ptu)
 
 camera = VideoCamera()
