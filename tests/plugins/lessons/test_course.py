@@ -98,7 +98,6 @@ WRONG = [
     ),
     ("planning", "def plan(boxes, start, goal):\n    return None", ""),
     ("tuning", "def learn(cost):\n    cost(1)\n    return 11", "The gain|worse"),
-    ("line", "def step(image):\n    return 1.0, 1.0", ""),
 ]
 
 
