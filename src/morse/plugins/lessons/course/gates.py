@@ -5,8 +5,9 @@ velocity, so that the quadrotor flies through all gates, in order, within 60 s, 
 wide and high.
 
 * Fly to a point 1 m before the gate first, on its axis, and then through the gate to a point behind it.
-* The quadrotor follows a new velocity with a delay of about a second: at 2 m/s it flies 1 m too far. A velocity that
-  is proportional to the remaining distance brakes in time.
+* The quadrotor follows a new velocity slowly: after 4 s, it has made about two thirds of the change. Compute its
+  present velocity from two places, 0.05 s apart. Where it differs from the velocity that you want, ask for more than
+  the difference: that brakes in time.
 * Remember which gate comes next.
 """
 
