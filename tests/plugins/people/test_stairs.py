@@ -62,7 +62,7 @@ def test_people_walk_stairs_at_the_published_speed_with_their_feet_on_the_steps(
         assert places[:, 2] == pytest.approx(line, abs=0.02)
         assert np.abs(np.diff(places[:, 2])).max() < 0.03
         beside = (places[1:, 0] > -0.5) & (places[1:, 0] < RUN + 0.5)
-        assert np.abs(np.diff(trunks[:, 2]))[beside].max() < 0.03
+        assert np.abs(np.diff(trunks[:, 2]))[beside].max() < 0.035
         # the supporting foot stands on its step, in its middle
         standing = on_steps & (feet[:, 3] == 0.0)
         assert np.abs(feet[standing, 2] - height_of(feet[standing, 0])).max() < 0.04

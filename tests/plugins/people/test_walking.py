@@ -196,11 +196,44 @@ def test_steps_have_the_walk_ratio():
     heights = []
     for _ in range(60 * 10):
         position = position + TICK * velocity
-        gait.step(TICK, position, velocity, np.zeros((1, 2)))
-        soles, _ = gait.poses(position, velocity, np.ones(1, dtype=bool), np.zeros((1, 3)), np.zeros(1, dtype=bool))
+        gait.step(TICK, position, velocity, np.zeros((1, 2)), np.zeros(1, dtype=bool))
+        soles, _ = gait.poses(position, np.ones(1, dtype=bool), np.zeros((1, 3)))
         heights.append(min(soles[1:, 2]))
     assert gait.phase[0] == pytest.approx(13.4 / 0.72, rel=0.05)
     assert np.abs(heights).max() < 0.02
+
+
+def test_feet_do_not_slide_or_jump_however_people_walk_stop_and_turn():
+    """40 people whose speeds change at random: a foot on the ground stays, and no foot is faster than 7 m/s."""
+    rng, count = np.random.default_rng(3), 40
+    height, nobody = rng.uniform(1.1, 1.9, count), np.zeros(count, dtype=bool)
+    gait = Gait.at(
+        np.zeros((count, 2)), np.tile([1.0, 0.0], (count, 1)), height, nobody, np.floor(8 * rng.random(count))
+    )
+    position, velocity, wanted = (np.zeros((count, 2)) for _ in range(3))
+    before = None
+    for tick in range(60 * 20):
+        if tick % 45 == 0:
+            changes, angle = rng.random(count) < 0.3, rng.uniform(-np.pi, np.pi, count)
+            speed = rng.choice([0.0, 0.0, 0.1, 0.3, 0.8, 1.3, 1.8], count)
+            wanted[changes] = (speed * np.array([np.cos(angle), np.sin(angle)])).T[changes]
+        velocity = velocity + (wanted - velocity) * TICK / 0.5
+        position = position + velocity * TICK
+        # four of them sit down and get up again
+        wanted[:4] *= tick < 600 or tick > 960
+        sits = nobody | ((np.arange(count) < 4) & (tick > 600) & (tick < 900))
+        position[sits], velocity[sits] = position[sits] - velocity[sits] * TICK, 0.0
+        gait.step(TICK, position, velocity, wanted, sits)
+        places, _ = gait.poses(position, ~nobody, np.zeros((count, 3)))
+        trunk, soles = places[:count, 2], np.stack([places[count : 2 * count], places[2 * count :]], axis=1)
+        assert soles[:, :, 2].min(axis=1).max() < 0.01
+        if before is not None:
+            moved = np.linalg.norm(soles - before[1], axis=2)
+            stands = np.maximum(soles, before[1])[:, :, 2] < 0.003
+            assert moved[stands].max(initial=0.0) < 0.005
+            assert moved.max() < 7.0 * TICK
+            assert np.abs(trunk - before[0]).max() < 0.04
+        before = trunk.copy(), soles
 
 
 def test_a_robot_without_shapes_has_no_footprint():

@@ -345,7 +345,10 @@ class Steps(NamedTuple):
         """Return where feet (R, 2) are put down that would be put down at points, m."""
         return self.stairs.feet(self, rows, points, snap=True)[0]
 
-    def rises(self, rows: Indices, points: Floats) -> Floats:
-        """Return the heights (R,) of steps below feet at points (R, 2), above the slope at the own place, m."""
-        heights = self.stairs.feet(self, rows, points, snap=False)[1]
-        return np.asarray(heights - self.stairs.heights(self.position, self.area)[rows])
+    def ground(self, rows: Indices, points: Floats) -> Floats:
+        """Return the heights (R,) of the steps below points (R, 2), above the parts of the plane, m."""
+        return self.stairs.feet(self, rows, points, snap=False)[1]
+
+    def slope(self) -> Floats:
+        """Return the heights (N,) of the places of people, above the parts of the plane, m."""
+        return self.stairs.heights(self.position, self.area)

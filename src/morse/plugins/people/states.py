@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from morse.plugins.people.riding import Riding
     from morse.plugins.people.walking import Walkers
 
-_PLACES = ("position", "feet", "target", "came", "planned")
+_PLACES = ("position", "feet", "goal", "ground", "target", "came", "planned")
 _NOBODY = "where, or as, nobody can be"
 
 
@@ -33,7 +33,7 @@ class States:
         self._name, self._walkers, self._riding, self._plan = name, walkers, riding, plan
         self._owners: tuple[tuple[object, tuple[str, ...]], ...] = (
             (walkers, ("position", "velocity", "free_speed", "group", "present", "planned")),
-            (gait, ("phase", "stride", "feet", "heading", "stands")),
+            (gait, ("phase", "stride", "feet", "heading", "stands", "hip", "goal", "ground")),
             (agenda, ("flow", "stage", "mode", "until", "target", "came", "rank", "alert", "leader")),
             (riding, ("area", "ride", "lift", "slot", "turn", "opened")),
         )
@@ -85,7 +85,13 @@ class States:
         stages = np.array([max(len(one["ways"]), 1) for one in self._plan.flows] + [1])
         heading = people["heading"]
         near = all(np.abs(people[name]).max(initial=0.0) < 1e6 for name in _PLACES)
-        bounds = {"mode": (0, len(WORDS) - 1), "stride": (0.05, 5.0), "free_speed": (0.0, 20.0), "alert": (0.0, 1.0)}
+        bounds = {
+            "mode": (0, len(WORDS) - 1),
+            "stride": (0.05, 5.0),
+            "free_speed": (0.0, 20.0),
+            "alert": (0.0, 1.0),
+            "hip": (0.0, 2.0),
+        }
         within = all(((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in bounds.items())
         return bool(
             near

@@ -267,7 +267,7 @@ class Crowd(Robot):
             walkers.position[sits] = sit_down(before[sits], self.agenda.target[sits], self._seconds)
             walkers.velocity[sits] = 0.0
         steps = self._steps()
-        self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted, steps)
+        self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted, self._sits(), steps)
         if self._tracks is None:
             self.members.guide(walkers, before, self.gait, self._seconds)
         self._show()
@@ -309,6 +309,9 @@ class Crowd(Robot):
         shift = self.floors.shift[area] - self.floors.shift[self.riding.area[people]]
         self.walkers.position[people] += shift
         self.gait.feet[people] += shift[:, None, :]
+        self.gait.goal[people] += shift
+        lower = self.floors.heights[self.riding.area[people]] - self.floors.heights[area]
+        self.gait.ground[people] += lower[:, None]
         self.riding.area[people] = area
 
     def _place_of(self, leader: str) -> tuple[float, float] | None:
@@ -349,15 +352,18 @@ class Crowd(Robot):
             text += f"{one['region']}: ISO/TS 15066 permits {permitted}"
             self.context.complaints.warn(f"{self.name()} {one['robot']}", text)
 
+    def _sits(self) -> NDArray[np.bool_]:
+        """Return who (N,) sits on a seat, or sits down there."""
+        here = length(self.walkers.position - self.agenda.target) < HERE
+        return (self.agenda.mode == SITS) & here & ~self.agenda.stands_up(np.arange(self._count))
+
     def _show(self) -> None:
         """Set the bodies and the data."""
         walkers, data = self.walkers, self.local_data
-        here = length(walkers.position - self.agenda.target) < HERE
-        sits = (self.agenda.mode == SITS) & here & ~self.agenda.stands_up(np.arange(self._count))
         area = self.riding.area
         # from the plane to the world
         offset = np.column_stack([-self.floors.shift[area], self.floors.heights_of(walkers.position, area)])
-        poses = self.gait.poses(walkers.position, walkers.velocity, walkers.present, offset, sits, self._steps())
+        poses = self.gait.poses(walkers.position, walkers.present, offset, self._steps())
         # the bodies of members are those of their robots
         self._rows.place(*(np.concatenate([one[: self._own], one[self._count :]]) for one in poses))
         present = walkers.present[: self._own]
