@@ -284,7 +284,8 @@ class Crowd(Robot):
         # robots have their names only now
         names = {one if isinstance(one, str) else str(one.name): share for one, share in self._watched}
         self.scene_node.properties["Attention"] = json.dumps(names)
-        self._tell()
+        if self._members:
+            self._tell()
         return super()._declaration(robot)
 
 
