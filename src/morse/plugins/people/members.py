@@ -62,6 +62,8 @@ def declared(name: str, members: list[Any], context: Context) -> dict[str, tuple
     Raises:
         MorseError: there is no such robot, or it is not one that people can guide.
     """
+    if not isinstance(members, list):
+        raise MorseError(f"{name}: the members of the property Plan are no list: leave it as Crowd() writes it")
     robots = {one.name: one for one in context.scene.components if one.kind == "robot"}
     found: dict[str, tuple[Node, bool]] = {}
     for one in members:
