@@ -1,8 +1,8 @@
 """Learn a gain.
 
-A robot starts beside a line and steers back to it. Its turn rate is the gain times the distance to the line: with a
-small gain it returns slowly, with a large one it swings. Write `learn`, which may try 30 gains, a test drive for
-each, and returns a good one.
+A robot starts beside a line and steers back to it: the farther it is from the line, the faster it turns towards it.
+The gain says how fast, in rad/s for each metre. With a small gain the robot returns slowly, with a large one it
+swings. Write `learn`, which may try 30 gains, a test drive for each, and returns a good one.
 
 * Try ten gains from 0 to 10 first. With which one is the mean distance to the line the smallest?
 * Then try ten gains between the two neighbours of this one.
