@@ -57,36 +57,53 @@ static ALWAYS_INLINE void light_points(const Frame *f, const Camera *k, const Lo
     lights[i] = (V3){lesser(lights[i].x, one), lesser(lights[i].y, one), lesser(lights[i].z, one)};
 }
 
-// The light at the corners of a triangle, which are three of eight points.
-static inline Corners corners_lit(const Frame *f, const Camera *k, const Seen *s) {
-    Corners c = {0};
-    memcpy(c.e, s->e, sizeof c.e);
-    const Surface *surface = f->materials + s->material;
-    // it is lit at each pixel
-    if (surface->flags & FINE) return c;
+// The corners of a triangle in four lanes, of which the last one is that of the first.
+typedef struct {
+    F4 place[3], normal[3];
+} Lanes;
+
+static inline Lanes lanes_in(const Frame *f, const Seen *s) {
     const Part *part = f->parts + s->part;
     const Vertex *base = f->vertices + f->clusters[part->cluster].vertex;
     const int32_t *index = f->triangles[s->triangle];
     const float *m = f->models[part->instance], *t = f->turns[part->instance], facing = s->back ? -1.0f : 1.0f;
-    Looks l;
-    F8 p[3], n[3];
-    EACH_LANE(j) {
+    F4 p[3], n[3];
+    EACH(j, 4) {
         const Vertex *v = base + index[j < 3 ? j : 0];
         EACH(i, 3) p[i][j] = v->p[i], n[i][j] = v->n[i] * facing;
     }
-    l.place = (V3){m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3], m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7],
-                   m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11]};
-    l.normal = unit((V3){t[0] * n[0] + t[1] * n[1] + t[2] * n[2], t[3] * n[0] + t[4] * n[1] + t[5] * n[2],
-                         t[6] * n[0] + t[7] * n[1] + t[8] * n[2]});
-    l.metallic = splat(surface->metallic), l.roughness = splat(surface->roughness);
-    l.er = splat(surface->emission[0]), l.eg = splat(surface->emission[1]), l.eb = splat(surface->emission[2]);
-    V3 lights[1 + MOST_SHADOWS];
-    light_points(f, k, &l, everywhere(surface->color), lights);
-    EACH(i, 1 + MOST_SHADOWS) EACH(j, 3) {
-        float *to = c.lights[j] + 3 * i;
-        to[0] = lights[i].x[j], to[1] = lights[i].y[j], to[2] = lights[i].z[j];
+    Lanes l;
+    EACH(i, 3) {
+        l.place[i] = m[4 * i] * p[0] + m[4 * i + 1] * p[1] + m[4 * i + 2] * p[2] + m[4 * i + 3];
+        l.normal[i] = t[3 * i] * n[0] + t[3 * i + 1] * n[1] + t[3 * i + 2] * n[2];
     }
-    return c;
+    return l;
+}
+
+static inline F8 beside(F4 a, F4 b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
+
+static inline F8 halves(float a, float b) { return (F8){a, a, a, a, b, b, b, b}; }
+
+// The light at the corners of two triangles, which are six of eight points.
+static inline void light_corners(const Frame *f, const Camera *k, const Seen *const *s, Corners *const *to) {
+    const Lanes a = lanes_in(f, s[0]), b = lanes_in(f, s[1]);
+    const Surface *m = f->materials + s[0]->material, *n = f->materials + s[1]->material;
+    Looks l;
+    V3 lights[1 + MOST_SHADOWS];
+    l.place = (V3){beside(a.place[0], b.place[0]), beside(a.place[1], b.place[1]), beside(a.place[2], b.place[2])};
+    l.normal = unit(
+        (V3){beside(a.normal[0], b.normal[0]), beside(a.normal[1], b.normal[1]), beside(a.normal[2], b.normal[2])});
+    l.metallic = halves(m->metallic, n->metallic), l.roughness = halves(m->roughness, n->roughness);
+    l.er = halves(m->emission[0], n->emission[0]), l.eg = halves(m->emission[1], n->emission[1]);
+    l.eb = halves(m->emission[2], n->emission[2]);
+    const V3 color = {halves(m->color[0], n->color[0]), halves(m->color[1], n->color[1]),
+                      halves(m->color[2], n->color[2])};
+    light_points(f, k, &l, color, lights);
+    EACH(i, 1 + f->classic->shadow_count) EACH(j, 3) EACH(which, 2) {
+        float *light = to[which]->lights[j] + 3 * i;
+        light[0] = lights[i].x[4 * which + j], light[1] = lights[i].y[4 * which + j];
+        light[2] = lights[i].z[4 * which + j];
+    }
 }
 
 // Eight samples of different triangles. The light includes the colour of the material: the colour of the samples

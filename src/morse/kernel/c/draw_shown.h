@@ -36,11 +36,20 @@ static inline void complete(const Frame *f, const Camera *k, Shown *s) {
         const Vertex *base = f->vertices + f->clusters[f->parts[seen->part].cluster].vertex;
         EACH(n, 3) __builtin_prefetch(base + f->triangles[seen->triangle][n]);
     }
+    const Seen *lit[2];
+    Corners *corners[2];
+    int waiting = 0;
     for (int i = s->complete; i < s->count; i++) {
         const Seen *seen = f->seen + s->who[i];
         s->planes[i] = planes_of(f, seen), s->material[i] = seen->material;
-        if (f->classic) s->corners[i] = corners_lit(f, k, seen);
+        if (f->classic) memcpy(s->corners[i].e, seen->e, sizeof seen->e);
+        // others are lit at each pixel
+        if (f->classic && !(f->materials[seen->material].flags & FINE)) {
+            lit[waiting] = seen, corners[waiting++] = s->corners + i;
+            if (waiting == 2) light_corners(f, k, lit, corners), waiting = 0;
+        }
         s->kind[i] = f->materials[seen->material].texture >= 0 ? TEXTURED_SURFACES : PLAIN_SURFACES;
     }
+    if (waiting) lit[1] = lit[0], corners[1] = corners[0], light_corners(f, k, lit, corners);
     s->complete = s->count;
 }
