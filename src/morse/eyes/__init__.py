@@ -40,8 +40,9 @@ def check_version(version: str | None) -> None:
 # before the imports of modules that use the names of MuJoCo
 check_version(getattr(mujoco, "__version__", None))
 
+from morse.eyes.batch import BatchRenderer  # noqa: E402
 from morse.eyes.opengl import install, uninstall  # noqa: E402
 from morse.eyes.rays import RayHits, Rays  # noqa: E402
-from morse.eyes.renderer import BatchRenderer, Renderer  # noqa: E402
+from morse.eyes.renderer import Renderer  # noqa: E402
 
 __all__ = ["BatchRenderer", "RayHits", "Rays", "Renderer", "install", "uninstall"]

@@ -45,6 +45,13 @@ _FIELDS = {
     "castshadow": "u1",
     "modelrbound": "f4",
 }
+#: the fields of `mujoco.MjvLight` that are read; before MuJoCo 3.3, `directional` is instead of `type`
+_FIELDS_OF_LIGHTS = {
+    "type": "i4",
+    **dict.fromkeys(("directional", "headlight", "castshadow"), "u1"),
+    **dict.fromkeys(("pos", "dir", "attenuation", "ambient", "diffuse", "specular"), ("f4", 3)),
+    **dict.fromkeys(("cutoff", "exponent"), "f4"),
+}
 #: the fields that geoms have from MuJoCo 3.11 on; before, only their materials have them
 _OF_MATERIALS = ("texid", "texuniform", "texrepeat")
 #: which of the textures of a material is that of its colour
@@ -73,15 +80,15 @@ def _address(values: NDArray[np.generic]) -> int:
     return int(values.__array_interface__["data"][0])
 
 
-@lru_cache(maxsize=1)
-def _layout(make: Any) -> tuple[np.dtype[np.void], int]:
-    """Where the fields of a geom are in memory: each version of MuJoCo has its own structure."""
-    geoms = make().geoms
+@lru_cache(maxsize=2)
+def _layout(make: Any, kind: str) -> tuple[np.dtype[np.void], int]:
+    """Where the fields of geoms or lights are in memory: each version of MuJoCo has its own structures."""
+    geoms = getattr(make(), kind)
     first, stride = _address(geoms[1].pos), _address(geoms[1].pos) - _address(geoms[0].pos)
     # the memory before and after the position of the second of three geoms belongs to the array
     window = (ctypes.c_ubyte * (2 * stride)).from_address(first - stride)
     names, formats, offsets = [], [], []
-    for name, form in _FIELDS.items():
+    for name, form in (_FIELDS if kind == "geoms" else _FIELDS_OF_LIGHTS).items():
         value = getattr(geoms[1], name, None)
         if value is None:
             continue
@@ -105,6 +112,26 @@ def _layout(make: Any) -> tuple[np.dtype[np.void], int]:
     ), start
 
 
+def _array_of(scene: Any, make: Any, kind: str) -> NDArray[Any]:
+    """The geoms or lights for which a scene has room; the array shares the memory of the scene."""
+    elements, (layout, start) = getattr(scene, kind), _layout(make, kind)
+    if not elements:
+        return np.zeros(0, layout)
+    memory = (ctypes.c_ubyte * (layout.itemsize * len(elements))).from_address(_address(elements[0].pos) + start)
+    return np.frombuffer(memory, layout)  # type: ignore[call-overload, no-any-return]
+
+
+class LightArray:
+    """The lights of a scene; see `GeomArray`."""
+
+    def __init__(self, scene: Any, make: Any) -> None:
+        self._scene, self._all = scene, _array_of(scene, make, "lights")
+
+    def now(self) -> NDArray[np.void]:
+        """(L,) the lights that are used."""
+        return self._all[: max(self._scene.nlight, 0)]
+
+
 class GeomArray:
     """The geoms of a scene, as a structured array that shares the memory of the scene.
 
@@ -116,12 +143,7 @@ class GeomArray:
 
     def __init__(self, scene: Any, make: Any, model: Any = None) -> None:
         self._scene, self._model = scene, model
-        geoms = scene.geoms
-        layout, start = _layout(make)
-        self._all: NDArray[Any] = np.zeros(0, layout)
-        if geoms:
-            memory = (ctypes.c_ubyte * (layout.itemsize * len(geoms))).from_address(_address(geoms[0].pos) + start)
-            self._all = np.frombuffer(memory, layout)  # type: ignore[call-overload]
+        self._all = _array_of(scene, make, "geoms")
 
     def now(self) -> NDArray[np.void]:
         """(N,) the geoms that are used."""
@@ -212,27 +234,32 @@ class Instances(NamedTuple):
     def poses(
         self,
         g: NDArray[np.void],
-        view: View,
+        views: Sequence[View],
         reach: float,
         linewidth: float,
     ) -> Poses:
         """Return the poses of the instances at the present poses of the geoms; infinite planes follow the camera.
 
         Args:
-            view: of the camera: the widths of lines are pixels.
+            g: (N, G) the geoms of N states.
+            views: of the N cameras, all orthographic or none: the widths of lines are pixels.
             reach: m, to the border of infinite planes.
             linewidth: factor of the widths of lines.
+
+        Returns:
+            Arrays (N I, 12) and (N I, 9): the poses of the first state come first.
         """
-        rotation, places = g["mat"].reshape(-1, 3, 3)[self.geoms], g["pos"][self.geoms]
+        rotation = g["mat"].reshape(*g.shape, 3, 3)[:, self.geoms]
+        places = g["pos"][:, self.geoms]
         # the vertices of skins and flexes are those in the world
         if len(self.free):
-            rotation[self.free], places[self.free] = np.eye(3), 0.0
-        scales, offsets = self.scales, self.offsets
+            rotation[:, self.free], places[:, self.free] = np.eye(3), 0.0
+        scales, offsets = self.scales[None], self.offsets
         if len(self.infinite):
             scales = scales.copy()
             for number in self.endless:
                 # MuJoCo moves them with the camera, so that their textures stay
-                geom, row = g[self.geoms[number]], self.rows[self.geoms[number]]
+                geom, row = g[0, self.geoms[number]], self.rows[self.geoms[number]]
                 for axis in range(2):
                     size, repeat = float(geom["size"][axis]), float(geom["texrepeat"][axis])
                     if size <= 0:
@@ -243,24 +270,29 @@ class Instances(NamedTuple):
                         whole = repeat * (size if geom["texuniform"] else 1.0)
                         self.maps[row, axis] = whole / GRID_REACH
                         self.maps[row, 2 + axis] = 0.5 if _TEXTURES_ARE_CENTRED else whole / 2
-                    scales[number, axis] = size / GRID_REACH
+                    scales[:, number, axis] = size / GRID_REACH
         if len(self.lines):
-            scales = scales.copy()
+            scales = np.repeat(scales, len(g), axis=0)
             of = self.geoms[self.lines]
-            middle = g["pos"][of] + (rotation[self.lines] * offsets[self.lines, None]).sum(axis=2)
-            depth = np.maximum(((middle - np.asarray(view.eye, np.float32)) * view.axes[2]).sum(axis=1), 1e-3)
-            half = widths_of(g[of], linewidth) * (1.0 if view.parallel else depth) / (2 * view.fy)
-            own = scales[self.lines]
+            eye, forward = (
+                np.array([view.eye for view in views], np.float32),
+                np.array([view.axes[2] for view in views]),
+            )
+            middle = g["pos"][:, of] + (rotation[:, self.lines] * offsets[self.lines, None]).sum(axis=-1)
+            depth = np.maximum(((middle - eye[:, None]) * forward[:, None]).sum(axis=-1), 1e-3)
+            focal = np.array([view.fy for view in views])[:, None]
+            half = widths_of(g[:, of], linewidth) * (1.0 if views[0].parallel else depth) / (2 * focal)
+            own = scales[:, self.lines]
             # their extents across have no size
-            scales[self.lines] = np.where(own == 0.0, half[:, None], own)
-        linear = rotation * scales[:, None, :]
-        models = np.empty((len(scales), 3, 4), np.float32)
-        models[:, :, :3] = linear
-        models[:, :, 3] = places + (rotation * offsets[:, None, :]).sum(axis=2)
-        bad = ~(np.abs(models) < 1e7).all(axis=(1, 2))
+            scales[:, self.lines] = np.where(own == 0.0, half[..., None], own)
+        models = np.empty((*rotation.shape[:3], 4), np.float32)
+        models[..., :3] = rotation * scales[..., None, :]
+        models[..., 3] = places + (rotation * offsets[:, None, :]).sum(axis=-1)
+        bad = ~(np.abs(models) < 1e7).all(axis=(-1, -2))
         models[bad] = 0.0
         # the inverse transposed, up to a factor
-        turns = rotation / np.maximum(scales, 1e-12)[:, None, :] * np.maximum(scales.min(axis=1), 1e-12)[:, None, None]
+        least = np.maximum(scales.min(axis=-1), 1e-12)[..., None, None]
+        turns = rotation / np.maximum(scales, 1e-12)[..., None, :] * least
         turns[bad] = 0.0
         return Poses(models.reshape(-1, 12), np.ascontiguousarray(turns.reshape(-1, 9), np.float32))
 

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.native import NativeDrawer
 
 #: kinds of lights in MuJoCo
-_SPOT, _DIRECTIONAL, _POINT, _IMAGE = range(4)
+_SPOT, DIRECTIONAL, POINT_LIGHT, IMAGE = range(4)
 #: widest half angle of the shadow map of a light, rad
-_WIDEST = 1.4
+WIDEST = 1.4
 #: how much finer maps around what casts shadows may be
-_FINER = 2.0
+FINER = 2.0
 #: texels at the border of a map
-_BORDER = 4
+BORDER = 4
 
 
 class Lit(NamedTuple):
@@ -69,18 +69,18 @@ def lights_of(scene: Any) -> list[Lit]:
     """The lights of a `mujoco.MjvScene` that can be drawn; lights with values that are not finite are left out."""
     lights = []
     for light in scene.lights[: scene.nlight]:
-        kind = int(getattr(light, "type", _DIRECTIONAL if getattr(light, "directional", 0) else _SPOT))
-        if kind == _IMAGE:
+        kind = int(getattr(light, "type", DIRECTIONAL if getattr(light, "directional", 0) else _SPOT))
+        if kind == IMAGE:
             continue
         values = np.array(
             (light.pos, light.dir, light.ambient, light.diffuse, light.specular, light.attenuation), np.float64
         )
         place, towards, ambient, diffuse, specular, attenuation = values
         length = math.sqrt(float((towards**2).sum()))
-        if not np.isfinite(values).all() or (length < 1e-9 and kind != _POINT):
+        if not np.isfinite(values).all() or (length < 1e-9 and kind != POINT_LIGHT):
             continue
-        directional = bool(light.headlight) or kind == _DIRECTIONAL
-        cutoff = math.pi if kind == _POINT or light.cutoff > 90 else math.radians(light.cutoff)
+        directional = bool(light.headlight) or kind == DIRECTIONAL
+        cutoff = math.pi if kind == POINT_LIGHT or light.cutoff > 90 else math.radians(light.cutoff)
         lights.append(
             Lit(
                 place,
@@ -116,6 +116,11 @@ class ShadowMap(NamedTuple):
 
 
 _versions = count(1)
+
+
+def new_version() -> int:
+    """The number of a new shadow map."""
+    return next(_versions)
 
 
 class ShadowMaps:
@@ -167,13 +172,13 @@ class ShadowMaps:
         bounds = bounds_for(drawn[1])
         if bounds is not None:
             drawer.bound(drawn[1], bounds)
-        made = ShadowMap(*drawn, bounds, next(_versions))
+        made = ShadowMap(*drawn, bounds, new_version())
         self._maps[number : number + 1] = [(same, made)]
         return made
 
     def _texel(self, usual: float, side: float, whole: float) -> float:
         """The size of a texel of a map that is a part of another one, which may be finer, but not than MuJoCo's."""
-        return max(usual / _FINER, side / (self._texels - 2 * _BORDER), whole / self._finest)
+        return max(usual / FINER, side / (self._texels - 2 * BORDER), whole / self._finest)
 
     def _from_afar(
         self,
@@ -184,13 +189,13 @@ class ShadowMaps:
         casters: NDArray[np.float64] | None,
         scale: float,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
-        axes = _axes_of(light.towards)
+        axes = axes_of(light.towards)
         # the part of the map of MuJoCo, around the light, that is seen
         places = matmul(seen - light.place, axes[:2].T)
         low, high = np.maximum(places.min(axis=0), -scale), np.minimum(places.max(axis=0), scale)
         if not (high > low).all():
             return None
-        texel = float((high - low).max()) / (self._texels - 2 * _BORDER)
+        texel = float((high - low).max()) / (self._texels - 2 * BORDER)
         if casters is not None:
             middles = matmul(casters[:, :3] - light.place, axes[:2].T)
             low, high = _within(low, high, middles - casters[:, 3:], middles + casters[:, 3:])
@@ -200,11 +205,11 @@ class ShadowMaps:
         frame = np.zeros(16)
         frame[:12] = np.column_stack([axes, np.zeros(3)]).ravel()
         for row in range(2):
-            frame[4 * row + 3] = _BORDER * texel - low[row] - float((axes[row] * light.place).sum())
+            frame[4 * row + 3] = BORDER * texel - low[row] - float((axes[row] * light.place).sum())
         frame[:8] /= texel
         # what is behind the light casts no shadow
         frame[12], frame[13], frame[14] = texel, 1.0, float((light.towards * light.place).sum())
-        width, height = (min(int(side / texel) + 2 * _BORDER + 1, self._texels) for side in high - low)
+        width, height = (min(int(side / texel) + 2 * BORDER + 1, self._texels) for side in high - low)
         shadow = np.full((height, width), NO_SURFACE, np.float32)
         own = NO_LIGHT._replace(sun=frame.astype(np.float32), shadow=shadow)
         drawer.cast_shadows(np.arange(len(drawer.drawing.parts)), poses, own)
@@ -220,9 +225,9 @@ class ShadowMaps:
         scale: float,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
         angle = light.cutoff * scale
-        if angle > _WIDEST:
+        if angle > WIDEST:
             return None
-        right, up, back = _axes_of(light.towards)
+        right, up, back = axes_of(light.towards)
         axes = np.stack([right, -up, -back])
         places = matmul(seen - light.place, axes.T)
         # the part of the map of MuJoCo that is seen
@@ -232,7 +237,7 @@ class ShadowMaps:
             low, high = np.maximum(low, flat.min(axis=0)), np.minimum(high, flat.max(axis=0))
         if not (high > low).all():
             return None
-        focal = (self._texels - 2 * _BORDER) / float((high - low).max())
+        focal = (self._texels - 2 * BORDER) / float((high - low).max())
         if casters is not None:
             middles, reach = matmul(casters[:, :3] - light.place, axes.T), casters[:, 3:]
             near, far = middles[:, 2:] - reach, middles[:, 2:] + reach
@@ -248,8 +253,8 @@ class ShadowMaps:
             if not (high > low).all():
                 return None
             focal = 1 / self._texel(1 / focal, float((high - low).max()), 2 * math.tan(angle))
-        width, height = (min(int(side * focal) + 2 * _BORDER + 1, self._texels) for side in high - low)
-        cx, cy = _BORDER - low * focal
+        width, height = (min(int(side * focal) + 2 * BORDER + 1, self._texels) for side in high - low)
+        cx, cy = BORDER - low * focal
         camera = np.zeros(1, CAMERA)
         camera["fx"] = camera["fy"] = focal
         camera["cx"], camera["cy"] = cx, cy
@@ -272,7 +277,7 @@ def _within(
     return (np.maximum(low, lows.min(axis=0)), np.minimum(high, highs.max(axis=0))) if len(lows) else (high, low)
 
 
-def _axes_of(towards: NDArray[np.float64]) -> NDArray[np.float64]:
+def axes_of(towards: NDArray[np.float64]) -> NDArray[np.float64]:
     """(3, 3) rows: two directions perpendicular to the light, and that towards it."""
     back = towards.tolist()
     right = cross(back, (0.0, 1.0, 0.0) if abs(back[1]) < 0.9 else (1.0, 0.0, 0.0))
@@ -316,14 +321,21 @@ def classic(lights: list[Lit], maps: list[ShadowMap | None], around: Surrounding
             row["number"], row["frame"], row["version"] = number, shadow.frame, shadow.version
             row["height"], row["width"] = shadow.texels.shape
             row["shadow"], row["bounds"] = address(shadow.texels) or 0, address(shadow.bounds) or 0
+    rest = rest_of(around, len(lights))
+    rest["shadow_count"] = number
+    return NO_LIGHT._replace(classic=rest, classic_lights=rows)
+
+
+def rest_of(around: Surroundings, lights: int) -> NDArray[np.void]:
+    """(1,) `CLASSIC` without shadows."""
     rest = np.zeros(1, CLASSIC)
-    rest["light_count"], rest["shadow_count"], rest["sky"] = len(lights), number, around.sky
+    rest["light_count"], rest["sky"] = lights, around.sky
     rest["haze"], rest["ring"], rest["far"] = around.haze, max(around.ring, 1e-6), around.far
     if around.plane is not None:
         rest["hazy"], rest["plane"] = 1, around.plane
     if around.fog is not None:
         rest["foggy"], (rest["fog"], rest["fog_start"], rest["fog_end"]) = 1, around.fog
-    return NO_LIGHT._replace(classic=rest, classic_lights=rows)
+    return rest
 
 
 #: light of a white surface that is lit by a light with a diffuse colour of 1

@@ -37,6 +37,8 @@ from morse.mathutils.rotations import cross
 from morse.rendering.meshes import spheres_around
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.eyes.light import Lit, ShadowMap
@@ -47,13 +49,13 @@ if TYPE_CHECKING:
 #: names of the looks
 LOOKS = ("classic", "morse")
 #: opacity from which on a surface hides what is behind it
-_OPAQUE = 0.995
+OPAQUE = 0.995
 #: opacity of a plane from behind, in MuJoCo
 _FROM_BEHIND = 0.3
 #: texels along the side of a shadow map: at least, and at most
 _FEWEST_TEXELS, _MOST_TEXELS = 256, 1024
 #: from the camera to the border of infinite planes, in units of the far plane: without a sky, and in front of MuJoCo's
-_BEYOND, _BEFORE_SKY = 1.06, 0.7
+BEYOND, _BEFORE_SKY = 1.06, 0.7
 
 
 class View(NamedTuple):
@@ -155,15 +157,17 @@ class Artist:
     """
 
     def __init__(self, model: Any, look: str, texels: int) -> None:
-        self._model, self._plain = model, look == "classic"
-        self._store = store_of(model, plain=self._plain)
+        self._model, self.is_plain = model, look == "classic"
+        self._store = store_of(model, plain=self.is_plain)
         self._kinds = np.array(model.tex_type, np.int32)
         self._kinds_of_flexes = np.array(getattr(model, "flex_dim", ()), np.int32)
         self._skies = np.flatnonzero(self._kinds == SKY)
         finest = max(int(model.vis.quality.shadowsize), 1)
-        self._maps = ShadowMaps(min(max(texels, _FEWEST_TEXELS), _MOST_TEXELS, finest), finest)
-        self._linewidth = float(getattr(model.vis.global_, "linewidth", 1.0))
-        self._look = Look(plain=self._plain, of_materials=textures_of_materials(model))
+        #: texels along the side of shadow maps, and of those of MuJoCo
+        self.texels = min(max(texels, _FEWEST_TEXELS), _MOST_TEXELS, finest), finest
+        self._maps = ShadowMaps(*self.texels)
+        self.linewidth = float(getattr(model.vis.global_, "linewidth", 1.0))
+        self._look = Look(plain=self.is_plain, of_materials=textures_of_materials(model))
         self._of: bytes | None = None
         self._instances: Instances | None = None
         self._drawer: NativeDrawer | None = None
@@ -199,14 +203,14 @@ class Artist:
         instances, draw = self._arranged(g, scene)
         key = self._key(scene, g, view)
         if self._surface is None or self._surface[0] != key:
-            away = _turned_away(g, view)
-            poses = instances.poses(g, view, _BEYOND * view.far, self._linewidth)
+            away = turned_away(g, view)
+            poses = instances.poses(g[None], (view,), BEYOND * view.far, self.linewidth)
             parts = instances.parts
             if away.any():
                 parts = parts[~away[instances.geoms][instances.owner]]
             draw.arrange(parts, maps=instances.maps)
             kept = self._memories("surfaces", instances, parts)
-            pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], _NOTHING), 1, kept)
+            pictures = draw.draw(view.row(color=False), poses, of_scenes([], [], NOTHING), 1, kept)
             self._surface = key, pictures.depth, pictures.ids
         return *self._surface[1:], instances
 
@@ -217,17 +221,14 @@ class Artist:
 
     def _colors(self, scene: Any, g: NDArray[np.void], view: View) -> NDArray[np.uint8]:
         instances, draw = self._arranged(g, scene)
-        reach = self._reach(scene.flags, view)
-        poses = instances.poses(g, view, reach, self._linewidth)
-        opacity = np.array(instances.opacity)
-        behind = _from_behind(g, view.eye)
-        opacity[behind] *= _FROM_BEHIND
-        opacity[_turned_away(g, view)] = 0.0
-        clear = opacity < _OPAQUE
+        reach = self.reach(scene.flags, view)
+        poses = instances.poses(g[None], (view,), reach, self.linewidth)
+        opacity, behind = opacity_of(g, view, instances)
+        clear = opacity < OPAQUE
         solid = self._opaque(instances, clear)
-        lights, around = lights_of(scene), self._around(g, scene.flags, reach)
+        lights, around = lights_of(scene), self.around(instances, g, scene.flags, reach)
         maps = self._shadows(scene, g, instances, draw, lights, poses, view)
-        make = classic if self._plain else of_scenes
+        make = classic if self.is_plain else of_scenes
         light = make(lights, maps, around)
 
         def drawn(parts: NDArray[np.int32], own: View, light: Light = light, name: object = None) -> Pictures:
@@ -240,24 +241,24 @@ class Artist:
         if not clear.any() and not (len(instances.infinite) and reach < view.far):
             self._surface = self._key(scene, g, view), first.depth, first.ids
         layers = (
-            _layers(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view, self._linewidth) if clear.any() else []
+            layers_of(g, np.flatnonzero(clear & (opacity > 0.0)), opacity, view, self.linewidth) if clear.any() else []
         )
         picture = Composition(first, view.width, view.height, exact=bool(layers))
         mirrors = (g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind
-        if scene.flags[_REFLECTION] and mirrors.any():
-            dim = make(lights, [None] * len(lights), _NOTHING)
+        if scene.flags[REFLECTION] and mirrors.any():
+            dim = make(lights, [None] * len(lights), NOTHING)
             for number in np.flatnonzero(mirrors):
                 chosen = instances.geoms == number
                 box = picture.extent(chosen)
                 if box is not None:
                     # a mirror shows neither itself nor planes from behind
                     mirrored = view.mirrored(_plane_of(g[number]))
-                    unseen = _from_behind(g, mirrored.eye)
+                    unseen = from_behind(g, mirrored.eye)
                     unseen[number] = True
                     others = solid[~unseen[instances.geoms[solid[:, 1]]]]
                     if not len(others):
                         continue
-                    image = drawn(others, mirrored.cut(_mirrored(box, view)), dim, ("mirror", int(number)))
+                    image = drawn(others, mirrored.cut(mirrored_box(box, view)), dim, ("mirror", int(number)))
                     picture.reflect(image, box, chosen, float(g["reflectance"][number]))
         for numbers, box in layers:
             chosen = np.isin(instances.geoms, numbers)
@@ -292,16 +293,20 @@ class Artist:
     def _of_moving(self) -> bool:
         return self._instances is not None and bool(self._instances.prepared.moving)
 
+    def instances_of(self, g: NDArray[np.void], scene: Any) -> Instances:
+        """The instances of the geoms of a scene."""
+        faces = scene.flexfacenum if len(self._kinds_of_flexes) else ()
+        return instances_of(g, self._store, self._kinds, self._look, faces)
+
     def _arranged(self, g: NDArray[np.void], scene: Any) -> tuple[Instances, NativeDrawer]:
         """The instances of the geoms of a scene, which change seldom, and what draws them."""
         looks = looks_of(g)
         if self._instances is not None and looks != self._of and self._instances.resize(g):
             self._of = looks
         if self._instances is None or looks != self._of:
-            faces = scene.flexfacenum if len(self._kinds_of_flexes) else ()
-            instances = instances_of(g, self._store, self._kinds, self._look, faces)
+            instances = self.instances_of(g, scene)
             if self._drawer is None or self._instances is None or self._instances.prepared is not instances.prepared:
-                self._drawer = _drawer_of(instances.prepared)
+                self._drawer = drawer_of(instances.prepared)
             slots = np.arange(len(instances.materials), dtype=np.int32)
             self._drawer.arrange(instances.parts, slots, instances.materials, instances.maps)
             self._of, self._instances = looks, instances
@@ -343,11 +348,10 @@ class Artist:
         """The shadow maps of lights."""
         maps: list[ShadowMap | None] = [None] * len(lights)
         casting, planes = instances.casting, instances.planes
-        if not scene.flags[_SHADOW] or not casting.any() or not any(light.casts for light in lights):
+        if not scene.flags[SHADOW] or not casting.any() or not any(light.casts for light in lights):
             return maps
-        model = self._model
         parts, owner = instances.parts, instances.geoms[instances.owner]
-        seen = _seen(g[~planes], view)
+        seen = seen_of(g[None, ~planes], (view,))[0]
         finite = np.isfinite(g["pos"]).all(axis=1)
         # the vertices of skins and flexes are elsewhere
         bounded = not len(instances.free)
@@ -359,49 +363,63 @@ class Artist:
             cast &= finite
             casters = None
             if bounded and not cast[instances.infinite].any():
-                reach = _reach(g[cast]) * np.where(np.isin(g["type"][cast], (MESH, HFIELD)), 2.0, 1.0)
+                reach = reach_of(g[cast]) * np.where(np.isin(g["type"][cast], (MESH, HFIELD)), 2.0, 1.0)
                 casters = np.column_stack([g["pos"][cast].astype(np.float64), reach])
-            scale = float(model.vis.map.shadowscale)
-            if light.directional:
-                scale = float(model.vis.map.shadowclip) * float(model.stat.extent)
+            scale = self.scale_of_maps(directional=light.directional)
             maps[n] = self._maps.map_of(number, light, draw, parts[cast[owner]], poses, seen, casters, scale)
         return maps
 
-    def _reach(self, flags: Any, view: View) -> float:
-        """From the camera to the border of infinite planes in pictures of colours, m."""
-        sky = self._plain and len(self._skies) and flags[_SKYBOX]
-        return (_BEFORE_SKY if sky else _BEYOND) * view.far
+    def scale_of_maps(self, *, directional: bool) -> float:
+        """See `ShadowMaps.map_of`."""
+        settings = self._model.vis.map
+        return (
+            float(settings.shadowclip) * float(self._model.stat.extent) if directional else float(settings.shadowscale)
+        )
 
-    def _around(self, g: NDArray[np.void], flags: Any, reach: float) -> Surroundings:
+    def reach(self, flags: Any, view: View) -> float:
+        """From the camera to the border of infinite planes in pictures of colours, m."""
+        sky = self.is_plain and len(self._skies) and flags[_SKYBOX]
+        return (_BEFORE_SKY if sky else BEYOND) * view.far
+
+    def around(self, instances: Instances, g: NDArray[np.void], flags: Any, reach: float) -> Surroundings:
+        """What a scene has besides geoms and lights."""
         model = self._model
         rgba, settings, extent = model.vis.rgba, model.vis.map, float(model.stat.extent)
-        assert self._instances is not None
         sky = -1
         if len(self._skies) and flags[_SKYBOX]:
-            sky = int(self._instances.prepared.textures[self._skies[0]])
+            sky = int(instances.prepared.textures[self._skies[0]])
         plane = None
-        if flags[_HAZE] and sky >= 0 and len(self._instances.infinite):
-            plane = _plane_of(g[self._instances.infinite[0]])
+        if flags[_HAZE] and sky >= 0 and len(instances.infinite):
+            plane = _plane_of(g[instances.infinite[0]])
         fog = None
         if flags[_FOG]:
             fog = (np.array(rgba.fog[:3], float), settings.fogstart * extent, settings.fogend * extent)
         return Surroundings(sky, np.array(rgba.haze[:3], float), float(settings.haze), reach, plane, fog)
 
 
-def _from_behind(g: NDArray[np.void], eye: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(N,) which geoms are planes that are seen from behind."""
-    return np.asarray((g["type"] == PLANE) & (((eye - g["pos"]) * g["mat"].reshape(-1, 3, 3)[:, :, 2]).sum(axis=1) < 0))
+def from_behind(g: NDArray[np.void], eye: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(..., G) which geoms are planes that are seen from behind, from eyes (..., 3)."""
+    way = (eye[..., None, :] - g["pos"]) * g["mat"].reshape(*g.shape, 3, 3)[..., 2]
+    return np.asarray((g["type"] == PLANE) & (way.sum(axis=-1) < 0))
 
 
-def _turned_away(g: NDArray[np.void], view: View) -> NDArray[np.bool_]:
-    """(N,) which geoms are planes that the rays of an orthographic camera meet from behind: they are not drawn."""
+def opacity_of(g: NDArray[np.void], view: View, instances: Instances) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """(G,) the opacity of geoms, and which are planes from behind."""
+    opacity, behind = np.array(instances.opacity), from_behind(g, view.eye)
+    opacity[behind] *= _FROM_BEHIND
+    opacity[turned_away(g, view)] = 0.0
+    return opacity, behind
+
+
+def turned_away(g: NDArray[np.void], view: View) -> NDArray[np.bool_]:
+    """(G,) which geoms are planes that the rays of an orthographic camera meet from behind: they are not drawn."""
     if not view.parallel:
         return np.zeros(len(g), np.bool_)
     facing = (g["mat"].reshape(-1, 3, 3)[:, :, 2] * view.axes[2]).sum(axis=1)
-    return np.asarray((g["type"] == PLANE) & (facing > -1e-6) & ~_from_behind(g, view.eye))
+    return np.asarray((g["type"] == PLANE) & (facing > -1e-6) & ~from_behind(g, view.eye))
 
 
-def _drawer_of(prepared: Prepared) -> NativeDrawer:
+def drawer_of(prepared: Prepared) -> NativeDrawer:
     """A renderer of shapes, which shares memory with others unless the shapes move."""
     if not prepared.moving:
         return drawer(prepared.drawing, prepared.drawer)
@@ -437,24 +455,36 @@ def _flex(scene: Any, number: int) -> tuple[NDArray[np.float32], NDArray[np.floa
 
 
 # rendering flags (`mujoco.mjtRndFlag`)
-_SHADOW, _WIREFRAME, _REFLECTION, _ADDITIVE, _SKYBOX, _FOG, _HAZE = range(7)
-_NOTHING = Surroundings(-1, np.ones(3), 0.3, 1.0, None, None)
+SHADOW, _WIREFRAME, REFLECTION, _ADDITIVE, _SKYBOX, _FOG, _HAZE = range(7)
+NOTHING = Surroundings(-1, np.ones(3), 0.3, 1.0, None, None)
 
 
-def _seen(g: NDArray[np.void], view: View) -> NDArray[np.float64]:
-    """(8, 3) the corners of the part of a view in which geoms may be, with what is right behind them, m."""
-    reach = _reach(g)
-    depth = ((g["pos"] - view.eye) * view.axes[2]).sum(axis=1)
-    least, most = view.near, view.far
-    if len(g):
-        least = min(max(float((depth - reach).min()), view.near), 0.99 * view.far)
-        most = min(max(float((depth + reach).max()) * 1.5, 1.01 * least), view.far)
-    x = np.array([-view.cx, view.width - view.cx])[:, None, None] / view.fx
-    y = np.array([-view.cy, view.height - view.cy])[:, None] / view.fy
-    right, down, forward = view.axes
-    aside = (x * right + y * down).reshape(-1, 3)
-    ends = [(1.0 if view.parallel else depth) * aside + depth * forward for depth in (least, most)]
-    return np.asarray(view.eye + np.concatenate(ends), np.float64)
+def seen_of(g: NDArray[np.void], views: Sequence[View]) -> NDArray[np.float64]:
+    """(N, 8, 3) the corners of the part of N views in which geoms (N, G) may be, with what is right behind them, m."""
+    reach = reach_of(g)
+    eyes, axes = np.array([view.eye for view in views]), np.array([view.axes for view in views])
+    near, far = np.array([(view.near, view.far) for view in views]).T
+    depth = ((g["pos"] - eyes[:, None]) * axes[:, None, 2]).sum(axis=-1)
+    least, most = near, far
+    if g.size:
+        least = np.minimum(np.maximum((depth - reach).min(axis=1), near), 0.99 * far)
+        most = np.minimum(np.maximum((depth + reach).max(axis=1) * 1.5, 1.01 * least), far)
+    sides = [
+        (
+            (-view.cx / view.fx, (view.width - view.cx) / view.fx),
+            (-view.cy / view.fy, (view.height - view.cy) / view.fy),
+        )
+        for view in views
+    ]
+    x, y = np.array(sides).swapaxes(0, 1)[..., None]
+    right, down, forward = axes.swapaxes(0, 1)[:, :, None]
+    aside = (x[:, :, None] * right[:, None] + y[:, None] * down[:, None]).reshape(-1, 4, 3)
+    parallel = np.array([view.parallel for view in views])
+    ends = [
+        np.where(parallel, 1.0, depth)[:, None, None] * aside + depth[:, None, None] * forward
+        for depth in (least, most)
+    ]
+    return np.asarray(eyes[:, None] + np.concatenate(ends, axis=1), np.float64)
 
 
 def _is_below(plane: NDArray[np.float64], places: NDArray[np.float32], light: Lit, view: View) -> bool:
@@ -467,21 +497,26 @@ def _is_below(plane: NDArray[np.float64], places: NDArray[np.float32], light: Li
     return bool((light.place * normal).sum() > offset)
 
 
-def _reach(g: NDArray[np.void]) -> NDArray[np.float32]:
-    """(N,) radii of spheres around the positions of geoms, m."""
+def reach_of(g: NDArray[np.void]) -> NDArray[np.float32]:
+    """(...) radii of spheres around the positions of geoms, m."""
     size = np.abs(g["size"])
-    own = np.sqrt((size**2).sum(axis=1)) + size.max(axis=1)
-    known = g["modelrbound"] if "modelrbound" in (g.dtype.names or ()) else np.zeros(len(g))
+    own = np.sqrt((size**2).sum(axis=-1)) + size.max(axis=-1)
+    known = g["modelrbound"] if "modelrbound" in (g.dtype.names or ()) else np.zeros(g.shape)
     return np.asarray(np.where(known > 0, known, own), np.float32)
+
+
+def planes_of(g: NDArray[np.void]) -> NDArray[np.float64]:
+    """(N, 4) the normals and the offsets of planes."""
+    normals = g["mat"].reshape(-1, 3, 3)[:, :, 2].astype(np.float64)
+    return np.asarray(np.column_stack([normals, (normals * g["pos"]).sum(axis=1)]), np.float64)
 
 
 def _plane_of(geom: np.void) -> NDArray[np.float64]:
     """(4,) the normal and the offset of a plane."""
-    normal = geom["mat"].reshape(3, 3)[:, 2].astype(np.float64)
-    return np.array([*normal, float((normal * geom["pos"]).sum())])
+    return np.asarray(planes_of(np.array([geom]))[0], np.float64)
 
 
-def _mirrored(box: Box, view: View) -> Box:
+def mirrored_box(box: Box, view: View) -> Box:
     """The pixels of a part in a picture whose columns are from right to left."""
     return view.width - box[2], box[1], view.width - box[0], box[3]
 
@@ -497,7 +532,7 @@ _MOST_LAYERS = 12
 _MOST_LINES = 32
 
 
-def _layers(
+def layers_of(
     g: NDArray[np.void], numbers: NDArray[np.intp], opacity: NDArray[np.float32], view: View, linewidth: float
 ) -> list[tuple[list[int], tuple[int, int, int, int]]]:
     """Geoms that are drawn together, the farthest first, and the pixels around them."""
@@ -539,7 +574,7 @@ def _box_of(geom: np.void, view: View, linewidth: float) -> tuple[int, int, int,
         half[2] += half[0] if geom["type"] == CAPSULE else 0.0
         corners = (geom["pos"] - view.eye) + (geom["mat"].reshape(1, 3, 3) * (_CORNERS * half)[:, None]).sum(axis=2)
         return _around(_before(view.near, (corners[:, None] * view.axes).sum(axis=2), _EDGES), view, width)
-    reach = float(_reach(np.array([geom]))[0]) * (2.0 if geom["type"] in (MESH, HFIELD) else 1.0)
+    reach = float(reach_of(np.array([geom]))[0]) * (2.0 if geom["type"] in (MESH, HFIELD) else 1.0)
     x, y, depth = ((geom["pos"] - view.eye) * view.axes).sum(axis=1)
     if not math.isfinite(depth + reach):
         return None

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
 
-from morse.eyes.geoms import GeomArray
+from morse.eyes.geoms import GeomArray, LightArray
 from morse.eyes.picture import LOOKS, Artist, view_of
 from morse.eyes.segments import shown
 from morse.kernel import threads
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from types import TracebackType
     from typing import Self
 
     from numpy.typing import NDArray
+
+    from morse.eyes.batch import BatchRenderer
+    from morse.eyes.picture import View
 
 
 class Renderer:
@@ -74,6 +74,7 @@ class Renderer:
         #: a scene takes 0.8 kB a geom: one that has room for everything is made when it is needed
         self._grows = max_geom is None
         self._geoms = GeomArray(self._scene, three_geoms, self._model)
+        self._lights = LightArray(self._scene, three_geoms)
         self._scene_option = mujoco.MjvOption()
         self._artist = Artist(model, look, 2 * max(width, height))
         self._mode = "rgb"
@@ -124,8 +125,8 @@ class Renderer:
         Raises:
             ValueError: the kind is another one.
         """
-        if kind not in _KINDS:
-            raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(_KINDS)}.")
+        if kind not in KINDS:
+            raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(KINDS)}.")
         self._mode = kind
 
     def update_scene(
@@ -150,7 +151,7 @@ class Renderer:
         if scene_option is not None and not isinstance(scene_option, mujoco.MjvOption):
             raise TypeError(f"Expected an option, mujoco.MjvOption, got {type(scene_option).__name__}.")
         if not isinstance(camera, mujoco.MjvCamera):
-            camera = _camera_of(self._model, camera)
+            camera = camera_of(self._model, camera)
         with self._lock:
             if self._grows and scene_option is not None and not _is_usual(scene_option):
                 self._grow()
@@ -180,6 +181,7 @@ class Renderer:
         self._scene = mujoco.MjvScene(model=self._model, maxgeom=_room_for(self._model, all_of_it=True))
         self._scene.flags[:] = old.flags
         self._geoms = GeomArray(self._scene, three_geoms, self._model)
+        self._lights = LightArray(self._scene, three_geoms)
 
     def render(self, *, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Return the picture.
@@ -196,7 +198,7 @@ class Renderer:
             ValueError: `out` has another shape, or the scene has no finite camera.
         """
         artist = self._open("render")
-        shape = (self._height, self._width, *_KINDS[self._mode][0])
+        shape = (self._height, self._width, *KINDS[self._mode][0])
         if out is not None and not isinstance(out, np.ndarray):
             raise TypeError(f"Expected an array, out, got {type(out).__name__}.")
         if out is not None and out.shape != shape:
@@ -233,11 +235,26 @@ class Renderer:
         Raises:
             ValueError: see `Renderer`; or the number is less than 1.
         """
+        from morse.eyes.batch import BatchRenderer
+
         return BatchRenderer(model, count, lambda: cls(model, height, width, max_geom, look=look))
 
     def close(self) -> None:
         """Release the memory; `render` cannot be called afterwards."""
         self._artist = None
+
+    def memory(self) -> int:
+        """Return about how many bytes a picture needs while it is drawn, with shadow maps and a mirrored picture."""
+        texels, _ = self._open("render").texels
+        return 32 * self._width * self._height + 4 * texels**2 * int(np.count_nonzero(self._model.light_castshadow))
+
+    def shown_scene(self) -> tuple[Artist, NDArray[np.void], NDArray[np.void], View]:
+        """Return what draws the present scene, its geoms (G,) and lights (L,), and its camera.
+
+        The arrays are those of the scene. The errors are those of `render`.
+        """
+        artist = self._open("render")
+        return artist, self._geoms.now(), self._lights.now(), view_of(self._scene, self._width, self._height)
 
     def __reduce__(self) -> Any:
         raise TypeError("cannot pickle 'Renderer' object: make one of the model in each process")
@@ -256,103 +273,8 @@ class Renderer:
         self.close()
 
 
-class BatchRenderer:
-    """Renders many states of a model at once: each processor draws other pictures, of the same bits as `Renderer`.
-
-    Args:
-        model: `mujoco.MjModel`.
-        count: number of states, N.
-        make: makes a renderer.
-    """
-
-    def __init__(self, model: mujoco.MjModel, count: int, make: Callable[[], Renderer]) -> None:
-        check_model(model)
-        check_count("count, the number of states,", count, 1)
-        self._model, self._count = model, count
-        self._renderers = [make() for _ in range(min(threads.count(), count))]
-        self._states = [mujoco.MjData(model) for _ in self._renderers]
-        #: each state that is drawn has a renderer of its own, which serve one call at a time
-        self._lock = threads.lock()
-
-    def render(
-        self,
-        states: Sequence[mujoco.MjData] | NDArray[np.floating],
-        cameras: int | str | mujoco.MjvCamera | Sequence[int | str | mujoco.MjvCamera] = -1,
-        scene_option: mujoco.MjvOption | None = None,
-        *,
-        kind: str = "rgb",
-    ) -> NDArray[Any]:
-        """Return pictures of all states.
-
-        Args:
-            states: N states after `mujoco.mj_forward`; or (N, nq) positions of joints, m and rad.
-            cameras: a camera as in `Renderer.update_scene`, or a list of C cameras.
-            scene_option: see `Renderer.update_scene`.
-            kind: ``rgb``, ``depth`` or ``ids``.
-
-        Returns:
-            (N, H, W, 3) uint8, (N, H, W) float32 or (N, H, W, 2) int32, see `Renderer.render`; with a list of cameras
-            (N, C, ...).
-
-        Raises:
-            RuntimeError: the renderer is closed.
-            ValueError: the number of states, their shape, a camera or the kind is wrong.
-        """
-        if not self._renderers:
-            raise RuntimeError("render cannot be called after close.")
-        if kind not in _KINDS:
-            raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(_KINDS)}.")
-        if len(states) != self._count:
-            raise ValueError(f"The batch has {self._count} states, got {len(states)}.")
-        if isinstance(states, np.ndarray) and states.shape != (self._count, self._model.nq):
-            raise ValueError(f"Positions have the shape {(self._count, self._model.nq)}, got {states.shape}.")
-        several = isinstance(cameras, (Sequence, np.ndarray)) and not isinstance(cameras, str)
-        views = list(cameras) if several else [cameras]  # type: ignore[arg-type]
-        first = self._renderers[0]
-        shape, form = _KINDS[kind]
-        pictures: NDArray[Any] = np.empty((self._count, len(views), first.height, first.width, *shape), form)
-        share = len(self._renderers)
-
-        def draw(number: int) -> None:
-            renderer, own = self._renderers[number], self._states[number]
-            renderer.show(kind)
-            # successive states often are those of one run: what stands is drawn once
-            for row in range(self._count * number // share, self._count * (number + 1) // share):
-                data = states[row]
-                if isinstance(states, np.ndarray):
-                    own.qpos[:] = states[row]
-                    mujoco.mj_fwdPosition(self._model, own)
-                    data = own
-                for column, camera in enumerate(views):
-                    renderer.update_scene(data, camera, scene_option)
-                    renderer.render(out=pictures[row, column])
-
-        # threads of this call alone: a process that is forked has none of them, and an error ends none of the others
-        with self._lock, ThreadPoolExecutor(share, thread_name_prefix="morse-pictures") as pool:
-            list(pool.map(draw, range(share)))
-        return pictures if several else pictures[:, 0]
-
-    def __reduce__(self) -> Any:
-        raise TypeError("cannot pickle 'BatchRenderer' object: make one of the model in each process")
-
-    def close(self) -> None:
-        """Release the memory; `render` cannot be called afterwards."""
-        with self._lock:
-            for renderer in self._renderers:
-                renderer.close()
-            self._renderers = []
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-
 #: kinds of pictures: the shape of a pixel, and its type
-_KINDS: dict[str, tuple[tuple[int, ...], type]] = {
+KINDS: dict[str, tuple[tuple[int, ...], type]] = {
     "rgb": ((3,), np.uint8),
     "depth": ((), np.float32),
     "ids": ((2,), np.int32),
@@ -444,7 +366,13 @@ def three_geoms() -> mujoco.MjvScene:
     return mujoco.MjvScene(model, maxgeom=3)
 
 
-def _camera_of(model: mujoco.MjModel, camera: int | str) -> mujoco.MjvCamera:
+def camera_of(model: mujoco.MjModel, camera: int | str) -> mujoco.MjvCamera:
+    """Return a camera of a model by number or name, -1 for the free camera.
+
+    Raises:
+        TypeError: it is neither of them.
+        ValueError: there is no such camera.
+    """
     number = camera
     if isinstance(number, bool) or not isinstance(number, (int, str, np.integer)):
         raise TypeError(f"A camera is a number, a name or a mujoco.MjvCamera, got {camera!r}.")

@@ -120,6 +120,8 @@ CAMERA = np.dtype(
     ],
     align=True,
 )
+#: which bytes of a `CAMERA` are numbers: those in between have any value
+_OF_CAMERA = np.concatenate([np.arange(at[1], at[1] + at[0].itemsize) for at in (CAMERA.fields or {}).values()])
 #: the bytes of ``Seen`` and ``Chunk`` in ``c/drawing.h``
 SEEN, CHUNK = np.dtype("V64"), np.dtype("V24")
 
@@ -240,12 +242,19 @@ def changes_for(shadow: NDArray[np.float32]) -> NDArray[np.int64]:
     return np.zeros(-(-height // _CHANGE_BLOCK) * -(-width // _CHANGE_BLOCK) + 1, np.int64)
 
 
-def bounds_for(shadow: NDArray[np.float32]) -> NDArray[np.float32] | None:
-    """Return memory for the bounds of a shadow map, which exclude no texel; None for the smallest maps."""
-    height, width = shadow.shape
+def bounds_shape(height: int, width: int) -> tuple[int, int] | None:
+    """Return the numbers of blocks of a shadow map that have bounds; None for the smallest maps, without bounds."""
     if min(height, width) < _SMALLEST_BOUNDED:
         return None
-    bounds = np.zeros((-(-height // _SHADOW_BLOCK), -(-width // _SHADOW_BLOCK), 4), np.float32)
+    return -(-height // _SHADOW_BLOCK), -(-width // _SHADOW_BLOCK)
+
+
+def bounds_for(shadow: NDArray[np.float32]) -> NDArray[np.float32] | None:
+    """Return memory for the bounds of a shadow map, which exclude no texel; None for the smallest maps."""
+    shape = bounds_shape(*shadow.shape)
+    if shape is None:
+        return None
+    bounds = np.zeros((*shape, 4), np.float32)
     bounds[..., 2:] = -np.inf, np.inf
     return bounds
 
@@ -265,6 +274,12 @@ class Pictures(NamedTuple):
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
     normals: NDArray[np.float32]
+
+
+def bytes_of_cameras(cameras: NDArray[np.void]) -> NDArray[np.uint8]:
+    """(K, B) the numbers of cameras (K,) `CAMERA`, to compare them."""
+    whole = np.ascontiguousarray(cameras).view(np.uint8).reshape(len(cameras), CAMERA.itemsize)
+    return np.asarray(whole.take(_OF_CAMERA, axis=1))
 
 
 def number_tiles(cameras: NDArray[np.void]) -> tuple[int, int]:

@@ -17,6 +17,8 @@ from morse.kernel.drawing.arrays import (
     SEEN,
     TILE,
     Pictures,
+    Poses,
+    bytes_of_cameras,
     number_tiles,
 )
 from morse.kernel.loading import library
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing.arrays import Drawing, Light, Poses
+    from morse.kernel.drawing.arrays import Drawing, Light
 
 
 #: rectangles of texels of shadow maps
@@ -101,7 +103,7 @@ class NativeKept:
         row = camera.copy()
         row["tile"] = row["pixel"] = 0
         color = bool(row["color"][0])
-        key = (row.tobytes(), lit.key if color else None)
+        key = (bytes_of_cameras(row).tobytes(), lit.key if color else None)
         maps = lit.maps if color else ()
         same = key == self._key and all(one is other for one, other in zip(maps, self._maps, strict=True))
         if not same:
@@ -110,8 +112,7 @@ class NativeKept:
             return None
         if color and not lit.is_known:
             return None
-        self._make_room(camera[0], instances)
-        return ctypes.addressof(self._structure)
+        return self.room(camera[0], instances)
 
     def end(self, lit: Lit) -> None:
         """The image is complete."""
@@ -120,6 +121,15 @@ class NativeKept:
         self._arrays["lights"] = lit.classic_lights
         self._structure.lights = address(lit.classic_lights)
         self._structure.is_complete = 1
+
+    def room(self, camera: np.void, instances: int) -> int:
+        """Return the address of the structure, with memory for an image."""
+        self._make_room(camera, instances)
+        return ctypes.addressof(self._structure)
+
+    def hold(self, lights: NDArray[np.void] | None) -> None:
+        """Keep the lights of an image whose drawing has set their address."""
+        self._arrays["lights"] = lights
 
     def _make_room(self, camera: np.void, instances: int) -> None:
         width, height = int(camera["width"]), int(camera["height"])
@@ -271,7 +281,7 @@ class NativeMovers:
 
 _OF_ONE_CALL = ("cameras", "rgba", "depth", "ids", "normals")
 #: the largest number of chunks of a camera; see ``c/draw_find.c``
-_CHUNKS = 33
+MOST_CHUNKS = 33
 #: the positions of samples
 _SAMPLES = {count: np.array(positions, np.float32) for count, positions in SAMPLES.items()}
 
@@ -385,6 +395,13 @@ class NativeDrawer:
         self.drawn_tiles = frame.drawn_count
         return pictures
 
+    def frame_of(self, light: Light, samples: int) -> FrameStructure:
+        """Return the structure of the scene with lights, without poses, cameras and pictures."""
+        frame, none = self._frame, np.zeros((0, 12), np.float32)
+        self._light(light, Poses(none, none), samples)
+        frame.forget(*_OF_ONE_CALL, "kept")
+        return frame
+
     def _begin(
         self, cameras: NDArray[np.void], memories: Sequence[Kept | None], poses: Poses, light: Light, samples: int
     ) -> tuple[Lit, list[NativeKept]]:
@@ -414,8 +431,8 @@ class NativeDrawer:
                 "starts": np.empty(jobs, np.int64),
                 "counts": np.empty(jobs, np.int64),
                 "found": np.empty((parts + 1, 2), np.int32),
-                "chunks": np.empty(_CHUNKS * cameras + 1, CHUNK),
-                "shares": np.empty(_CHUNKS * tiles + 1, np.int32),
+                "chunks": np.empty(MOST_CHUNKS * cameras + 1, CHUNK),
+                "shares": np.empty(MOST_CHUNKS * tiles + 1, np.int32),
                 "firsts": np.empty(tiles + 1, np.int64),
                 "tiles": np.empty((tiles + 1, 4), np.int32),
                 "drawn": np.empty(tiles + 1, np.uint8),
