@@ -322,8 +322,8 @@ def _alter(declaration: ComponentDeclaration, cls: type, alterations: Sequence[S
         known = any(each.classpath == path and each.where == one.where for each in declaration.modifiers)
         if path is not None and path not in own and not known:
             # other classes of the same modifier have others
-            known = getattr(load_class(path), "options", None)
-            options = {option: value for option, value in one.options.items() if known is None or option in known}
+            accepted = getattr(load_class(path), "options", None)
+            options = {name: value for name, value in one.options.items() if accepted is None or name in accepted}
             declaration.modifiers.append(ModifierDeclaration(path, options, one.where))
 
 

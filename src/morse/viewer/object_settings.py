@@ -38,7 +38,8 @@ def _present(method: str, node: Node) -> list[object]:
     """The values of the arguments of a method, as an object has them."""
     body = node.body
     if method == "color":
-        return [round(float(part), 4) for part in (node.materials[0].color[:3] if node.materials else (0.0, 0.0, 0.0))]
+        material = node.materials[0] if node.materials else None
+        return [round(float(part), 4) for part in (material.color[:3] if material is not None else (0.0, 0.0, 0.0))]
     values: dict[str, list[object]] = {
         "set_physics_type": [body.type.value],
         "set_mass": [body.mass],

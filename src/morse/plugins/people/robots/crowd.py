@@ -355,7 +355,7 @@ class Crowd(Robot):
     def _sits(self) -> NDArray[np.bool_]:
         """Return who (N,) sits on a seat, or sits down there."""
         here = length(self.walkers.position - self.agenda.target) < HERE
-        return (self.agenda.mode == SITS) & here & ~self.agenda.stands_up(np.arange(self._count))
+        return np.asarray((self.agenda.mode == SITS) & here & ~self.agenda.stands_up(np.arange(self._count)), np.bool_)
 
     def _show(self) -> None:
         """Set the bodies and the data."""
