@@ -81,6 +81,13 @@ def test_a_solid_gets_a_colour_and_falls_is_saved_and_loaded(desk: Desk, tmp_pat
     assert desk.simulation.world.objects_by_name["cube"].mass == pytest.approx(2.5)
 
 
+def test_the_fields_that_can_have_noise_can_be_chosen(desk: Desk) -> None:
+    desk.do("add_model", model="IMU", robot="robot")
+    field = next(one for one in settings(desk, "robot.imu")["noise"] if one["name"] == "field")
+    assert {"", "angular_velocity", "linear_acceleration"} <= {*field["choices"]}
+    assert "timestamp" not in field["choices"]
+
+
 def test_a_prop_has_no_colour_of_its_own_and_a_lamp_no_body(desk: Desk) -> None:
     desk.do("add_model", model="props/crates#small_crate", position=[3, 1, 0])
     desk.do("add_model", model="Spot", position=[3, 1, 0])

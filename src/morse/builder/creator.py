@@ -26,6 +26,14 @@ if TYPE_CHECKING:
 __all__ = ["ActuatorCreator", "ComponentCreator", "SensorCreator", "bpymorse"]
 
 
+def noisy_fields(cls: type) -> list[str]:
+    """The data fields of a sensor that can have noise: measured numbers, not those that are computed from others."""
+    fields = declarations.data_fields(cls)
+    measured = {name: entry for name, entry in fields.items() if name != "timestamp" and not entry.follows}
+    without = getattr(cls, "without_noise", ())
+    return [name for name, entry in measured.items() if is_numeric(entry.default) and name not in without]
+
+
 class RealisticSensor:
     """The part of the builder class of a sensor that sets phase, delay and noise.
 
@@ -90,9 +98,7 @@ class RealisticSensor:
     def _check_field(self, field: str, what: str) -> None:
         cls = self.component_class()
         fields = {} if cls is None else declarations.data_fields(cls)
-        measurements = {name: entry for name, entry in fields.items() if name != "timestamp" and not entry.follows}
-        without = getattr(cls, "without_noise", ())
-        names = [name for name, entry in measurements.items() if is_numeric(entry.default) and name not in without]
+        names = [] if cls is None else noisy_fields(cls)
         if field in names or (cls is None):
             return
         if field in fields and fields[field].follows:

@@ -2,18 +2,14 @@ import type { Connection } from "../connection/connection";
 import type { Toasts } from "../panels/toasts";
 import { disable, h } from "../ui/dom";
 import type { Signal } from "../ui/signal";
+import type { Item } from "./zip";
+import { unzipped } from "./zip";
 
 /** Bytes of a message with a part of a file: as base64 it is below the limit of the simulator. */
 const PART = 120_000;
 const MOST_FILES = 1000;
 /** What belongs to models; of a folder, all other files stay where they are. */
 const KNOWN = /\.(urdf|sdf|world|xml|mjcf|blend|glb|gltf|dae|obj|stl|ply|mtl|bin|config|png|jpe?g|bmp|gif|tga|tiff?|webp|hdr)$/i;
-
-/** A file with its path below the folder that was dropped. */
-interface Item {
-  path: string;
-  file: File;
-}
 
 interface Examined {
   file: string;
@@ -28,7 +24,7 @@ export type Add = (kind: string, name: string, place: { x: number; y: number } |
 /** Takes files that are dropped on the page or chosen: sends them, shows what is in them, and adds the model. */
 export class Uploader {
   readonly element: HTMLElement;
-  private readonly veil = h("div", { class: "veil", hidden: true }, "Drop a model, or its folder: URDF, SDF, MJCF, glTF, .blend, meshes");
+  private readonly veil = h("div", { class: "veil", hidden: true }, "Drop a model, or its folder, or a ZIP of it: URDF, SDF, MJCF, glTF, .blend, meshes");
 
   constructor(
     private readonly connection: Connection,
@@ -38,7 +34,7 @@ export class Uploader {
     /** shows an exported run beside the present one */
     private readonly compare: (file: File) => void,
   ) {
-    const files = this.chooser("a model…", "Add a model of your own: URDF, SDF, MJCF, glTF, .blend or meshes, with the files that it needs", false);
+    const files = this.chooser("a model…", "Add a model of your own: URDF, SDF, MJCF, glTF, .blend or meshes, with the files that it needs, or a ZIP of them", false);
     const folder = this.chooser("a folder…", "Add a model of your own with its folder", true);
     this.element = h("div", { class: "tools upload" }, h("span", { class: "quiet" }, "your own:"), files, folder);
     document.body.append(this.veil);
@@ -83,9 +79,16 @@ export class Uploader {
     const only = items.length === 1 ? items[0] : undefined;
     if (only && /\.html?$/i.test(only.path)) return this.compare(only.file);
     if (!this.drives.value) return this.toasts.show("Only the page that drives can add a model.", "error");
+    if (only && /\.zip$/i.test(only.path)) {
+      try {
+        items = await unzipped(only.file);
+      } catch (error) {
+        return this.toasts.show(`${only.path} cannot be read: ${error instanceof Error ? error.message : String(error)}`, "error");
+      }
+    }
     const { name, known, others } = sorted(items);
     const first = known[0];
-    if (!first) return this.toasts.show(`There is no model in ${items.length === 1 ? items[0]?.path ?? "" : `these ${items.length} files`}.`, "error");
+    if (!first) return this.toasts.show(`There is no model in ${only ? only.path : `these ${items.length} files`}.`, "error");
     if (known.length > MOST_FILES) return this.toasts.show(`A model has at most ${MOST_FILES} files, not ${known.length}.`, "error");
     const files = known.map(({ path, file }): [string, number] => [path, file.size]);
     const begun = await this.connection.request({ type: "begin_upload", name, files });

@@ -8,7 +8,7 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING
 
-from morse.builder.creator import SensorCreator
+from morse.builder.creator import SensorCreator, noisy_fields
 from morse.builder.names.catalog import modifier_classes
 from morse.core.actuator import Actuator
 from morse.core.classes.classpath import load_class
@@ -36,7 +36,7 @@ from morse.viewer.view_messages import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
@@ -152,7 +152,8 @@ def settings_of(
     if declaration.kind == "sensor":
         realism = declaration.options.get("realism")
         settings += [
-            _realism(method, realism if isinstance(realism, RealismModel) else RealismModel()) for method in _REALISM
+            _realism(method, realism if isinstance(realism, RealismModel) else RealismModel(), noisy_fields(cls))
+            for method in _REALISM
         ]
     names = {base.__name__ for base in cls.__mro__}
     modifiers = {
@@ -175,8 +176,8 @@ def settings_of(
     return ComponentSettings(name, settings, mine, [one for one in scripted if one not in mine])
 
 
-def _realism(method: str, present: RealismModel) -> SettingDescription:
-    """A method of the builder that sets ``present``."""
+def _realism(method: str, present: RealismModel, fields: Sequence[str]) -> SettingDescription:
+    """A method of the builder that sets ``present``; ``fields`` are those that can have noise."""
     function = getattr(SensorCreator, method)
     value = getattr(present, method)
     arguments = [
@@ -185,6 +186,7 @@ def _realism(method: str, present: RealismModel) -> SettingDescription:
             "str" if p.name == "field" else "float",
             "a data field; empty for all" if p.name == "field" else "",
             value if p.default is p.empty else "" if p.default is None else p.default,
+            ["", *fields] if p.name == "field" else None,
             unit=_UNITS.get(p.name, ""),
         )
         for p in list(inspect.signature(function).parameters.values())[1:]
