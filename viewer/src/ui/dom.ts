@@ -46,11 +46,14 @@ export function reveal(element: Element, block: "nearest" | "center" = "nearest"
 
 const WHY = ": only the page that drives can do this";
 
+/** The reason for a control without a tooltip of its own. */
+const ALONE = "Only the page that drives can do this";
+
 /** Disable a control of the driving page for others, with the reason in its tooltip. */
 export function disable(control: HTMLButtonElement | HTMLSelectElement | HTMLInputElement, disabled: boolean): void {
   control.disabled = disabled;
-  const own = control.title.replace(WHY, "");
-  control.title = disabled ? own + WHY : own;
+  const own = control.title === ALONE ? "" : control.title.replace(WHY, "");
+  control.title = !disabled ? own : own === "" ? ALONE : own + WHY;
 }
 
 /** A button with an icon; the label is its accessible name and its tooltip. */
