@@ -363,7 +363,7 @@ class Artist:
             cast &= finite
             casters = None
             if bounded and not cast[instances.infinite].any():
-                reach = reach_of(g[cast]) * np.where(np.isin(g["type"][cast], (MESH, HFIELD)), 2.0, 1.0)
+                reach = reach_of(g[cast]) * np.where((g["type"][cast] == MESH) | (g["type"][cast] == HFIELD), 2.0, 1.0)
                 casters = np.column_stack([g["pos"][cast].astype(np.float64), reach])
             scale = self.scale_of_maps(directional=light.directional)
             maps[n] = self._maps.map_of(number, light, draw, parts[cast[owner]], poses, seen, casters, scale)

@@ -32,8 +32,9 @@ def matmul(a: ArrayLike, b: ArrayLike) -> Any:
     left, right = np.asarray(a), np.asarray(b)
     if left.ndim == 0 or right.ndim == 0 or left.shape[-1] != right.shape[-2 if right.ndim > 1 else 0]:
         raise ValueError(f"arrays of the shapes {left.shape} and {right.shape} have no product")
-    columns = left if left.ndim == 1 else np.moveaxis(left, -1, 0)[..., None]
-    rows = right if right.ndim == 1 else np.moveaxis(right, -2, 0)
+    # the views of `numpy.moveaxis`, which takes longer than small products
+    columns = left if left.ndim == 1 else left.transpose(-1, *range(left.ndim - 1))[..., None]
+    rows = right if right.ndim == 1 else right.transpose(-2, *range(right.ndim - 2), -1)
     if left.ndim == 1:
         columns = columns.reshape(-1, *(1,) * (right.ndim - 1))
     elif right.ndim == 1:
