@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from morse.many.batch import batch
     from morse.sensors.on_models import sensors_on
     from morse.simulation.simulation import Simulation
+    from morse.version import __version__
 
-__all__ = ["Rays", "Renderer", "Simulation", "batch", "load", "sensors_on"]
+__all__ = ["Rays", "Renderer", "Simulation", "__version__", "batch", "load", "sensors_on"]
 
 #: where the names are: importing a part of MORSE, such as the builder, does not load the simulator
 _PLACES = {
@@ -31,6 +32,7 @@ _PLACES = {
     "Simulation": "morse.simulation.simulation",
     "load": "morse.launch.load",
     "sensors_on": "morse.sensors.on_models",
+    "__version__": "morse.version",
 }
 
 

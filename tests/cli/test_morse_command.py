@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,7 @@ def program(code, *words, home, stdin="", **variables):
 def test_version(tmp_path):
     result = program(MORSE, "-v", home=tmp_path)
     assert (result.returncode, result.stdout) == (0, f"morse {__version__}\n")
+    assert morse.__version__ == version("morse-simulator") == __version__
 
 
 @pytest.mark.parametrize("command", ["create", "rm", "import", "-v", "-h"])
