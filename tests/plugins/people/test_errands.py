@@ -67,14 +67,17 @@ def test_seats_are_taken_by_one_person_each(load):
         'c.goals([(-4, -0.6), (-4, 0.6)], then="sit", wait=5.0)'
     )
     with load(lines) as sim:
-        sat, most = set(), 0
-        for _ in range(60):
+        sat, most, since = set(), 0, {}
+        for half_second in range(60):
             sim.step(30)
             crowd = sim.people.component
             seated = np.flatnonzero(crowd.agenda.mode == 10)
             most = max(most, len(seated))
             for person in seated.tolist():
-                if np.linalg.norm(crowd.walkers.position[person] - crowd.agenda.target[person]) < 0.1:
+                if crowd._sits()[person]:
+                    # it takes 0.6 s to sit down
+                    if half_second - since.setdefault(person, half_second) < 2:
+                        continue
                     sat.add(person)
                     trunk = sim.context.world.objects_by_name[f"people {person}"].world_pose()[0]
                     # the trunk is as much lower as the hips of somebody who sits are
