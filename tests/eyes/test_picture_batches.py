@@ -114,11 +114,9 @@ def test_numbers_that_are_not_finite_make_the_same_pictures():
 
 def test_pictures_that_need_much_memory_are_drawn_in_parts(monkeypatch):
     model = mujoco.MjModel.from_xml_string(XML.format(size="0 0 .1"))
-    states, calls, colors = states_of(model, 5, 7), [], BatchRenderer._draw
+    states, calls, draw = states_of(model, 5, 7), [], BatchRenderer._draw
     monkeypatch.setattr("morse.eyes.batch._MOST_MEMORY", 0)
-    monkeypatch.setattr(
-        BatchRenderer, "_draw", lambda self, *given: calls.append(len(given[0])) or colors(self, *given)
-    )
+    monkeypatch.setattr(BatchRenderer, "_draw", lambda self, *given: calls.append(len(given[0])) or draw(self, *given))
     with morse.Renderer.batch(model, 5, *SIZE) as batch:
         compare(batch, model, states, "front", "rgb")
     assert sum(calls) == 5

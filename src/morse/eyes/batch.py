@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.eyes.batch_lights import kinds_of_lights
 from morse.eyes.geoms import looks_of
 from morse.eyes.renderer import KINDS, camera_of, check_count, check_model
-from morse.eyes.worlds import BatchArtist, Scenes, kinds_of_lights
+from morse.eyes.worlds import BatchArtist, Scenes
 from morse.kernel import threads
 
 if TYPE_CHECKING:
@@ -43,12 +44,13 @@ class BatchRenderer:
         check_model(model)
         check_count("count, the number of states,", count, 1)
         self._model, self._count = model, count
-        self._share = min(threads.count(), count)
-        self._renderers = [make() for _ in range(self._share)]
+        self._thread_count = min(threads.count(), count)
+        self._renderers = [make() for _ in range(self._thread_count)]
+        #: for positions of joints, a state of each thread
         self._states = [mujoco.MjData(model) for _ in self._renderers]
-        #: what draws geoms with the same looks
+        #: what draws scenes of geoms with the same looks, by `looks_of` these
         self._artists: dict[bytes, BatchArtist] = {}
-        #: each state that is drawn has a renderer of its own, which serve one call at a time
+        #: the renderers serve one call at a time
         self._lock = threads.lock()
 
     def render(
@@ -73,6 +75,7 @@ class BatchRenderer:
 
         Raises:
             RuntimeError: the renderer is closed.
+            TypeError: a camera is neither a number, nor a name, nor a `mujoco.MjvCamera`.
             ValueError: the number of states, their shape, a camera or the kind is wrong.
         """
         if not self._renderers:
@@ -90,7 +93,7 @@ class BatchRenderer:
         shape, form = KINDS[kind]
         pictures: NDArray[Any] = np.empty((self._count, len(views), first.height, first.width, *shape), form)
         with self._lock:
-            at_once = max(_MOST_MEMORY // (first.memory() * max(len(views), 1)), self._share)
+            at_once = max(_MOST_MEMORY // (first.memory() * max(len(views), 1)), self._thread_count)
             for begin in range(0, self._count, at_once):
                 end = min(begin + at_once, self._count)
                 self._draw(states[begin:end], views, scene_option, kind, pictures[begin:end])
@@ -106,13 +109,14 @@ class BatchRenderer:
     ) -> None:
         """Draw the pictures (N, C, ...) of some states."""
         renderer, count = self._renderers[0], len(states)
-        seen: list[_Seen] = []
-        # pictures of a camera follow each other: of successive states, which often are those of one run, what stands is
-        # drawn once
+        seen: list[_SceneCopy] = []
+        # the pictures of a camera follow each other: successive states often are those of one run, and what stands in
+        # them is drawn once
         for column, camera in enumerate(cameras):
             for row in range(count):
                 renderer.update_scene(self._state(states, row, 0), camera, option)
-                seen.append(_Seen(renderer, row, column, column * self._share + row * self._share // count))
+                chain = column * self._thread_count + row * self._thread_count // count
+                seen.append(_SceneCopy(renderer, row, column, chain))
         alone = []
         for group in _groups(seen):
             artist = self._artist_of(group, renderer) if len(group) > 1 else None
@@ -142,7 +146,7 @@ class BatchRenderer:
         mujoco.mj_fwdPosition(self._model, own)
         return own
 
-    def _artist_of(self, group: list[_Seen], renderer: Renderer) -> BatchArtist | None:
+    def _artist_of(self, group: list[_SceneCopy], renderer: Renderer) -> BatchArtist | None:
         """What draws scenes with the same looks; None if they can only be drawn one by one."""
         one = group[0]
         if not one.artist.is_plain:
@@ -165,7 +169,7 @@ class BatchRenderer:
         places: list[tuple[int, int]],
     ) -> None:
         """Draw single pictures; each thread draws others."""
-        share = min(self._share, len(places))
+        share = min(self._thread_count, len(places))
 
         def draw(number: int) -> None:
             renderer = self._renderers[number]
@@ -198,15 +202,15 @@ class BatchRenderer:
         self.close()
 
 
-class _Seen:
-    """The scene of a renderer, which is copied.
+class _SceneCopy:
+    """A copy of the present scene of a renderer.
 
     Attributes:
-        row, column: where its picture is.
+        row, column: numbers of the state and of the camera.
         chain: number of the chain of pictures that are drawn one after the other.
         artist: draws it alone.
-        geoms: (G,)
-        lights: (L,)
+        geoms: (G,) those of MuJoCo.
+        lights: (L,) those of MuJoCo.
         view: the camera.
         key: scenes of the same key have the same instances, and the same kinds of lights and cameras.
     """
@@ -222,9 +226,9 @@ class _Seen:
         self.key = looks_of(geoms), kinds_of_lights(lights[None])[0].tobytes(), view.far, view.parallel
 
 
-def _groups(seen: list[_Seen]) -> list[list[_Seen]]:
+def _groups(seen: list[_SceneCopy]) -> list[list[_SceneCopy]]:
     """Scenes of the same key, in their order."""
-    groups: dict[object, list[_Seen]] = {}
+    groups: dict[object, list[_SceneCopy]] = {}
     for one in seen:
         groups.setdefault(one.key, []).append(one)
     return list(groups.values())

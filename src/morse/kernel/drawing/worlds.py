@@ -27,7 +27,6 @@ PICTURE, MAP_FROM_AFAR, MAP_FROM_NEAR = range(3)
 #: least number of members of tiles for which a thread has memory
 _FEWEST_MEMBERS = 4096
 
-
 #: what is kept of the picture before: a structure, its address, and whether it is empty
 Memory = tuple[NativeKept, int, bool]
 
