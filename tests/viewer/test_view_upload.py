@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import contextlib
+import io
 import json
 import os
 import random
@@ -10,15 +12,16 @@ import resource
 import struct
 import sys
 import threading
+import zipfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from editor_desk import MODELS, SCENE, Desk
-from view_pages import Client, fetch
+from view_pages import Client, fetch, toasts
 
 import morse
 from morse.assets import collision
@@ -459,18 +462,15 @@ DROP = """(files) => {
 }"""
 
 
-def test_a_file_is_dropped_on_the_page_and_a_folder_is_chosen(
+@contextlib.contextmanager
+def page_of_scene(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, open_page: Callable[..., Page]
-) -> None:
+) -> Iterator[tuple[Page, Path]]:
+    """A page of a scene that runs, and the script."""
     monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
     monkeypatch.chdir(tmp_path)
     script = tmp_path / "scene.py"
     script.write_text(SCENE)
-    folder = tmp_path / "mine" / "arm"
-    for name, text in ARM.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text)
-    (folder / "README.md").write_text("no part of it")
     with morse.load(script, view="web") as simulation:
         end = threading.Event()
 
@@ -482,30 +482,97 @@ def test_a_file_is_dropped_on_the_page_and_a_folder_is_chosen(
         thread = threading.Thread(target=run)
         thread.start()
         try:
-            page = open_page(simulation.view.url, width=1000, height=700)
-            page.evaluate(DROP, {"cart.xml": MJCF})
-            dialog = page.locator("dialog.examined")
-            dialog.wait_for()
-            assert "cart is in the scene" in dialog.inner_text()
-            assert "joints" in dialog.inner_text()
-            dialog.get_by_role("button", name="close").click()
-            wait_until(lambda: page.evaluate("!!morse.world.value.find('cart')"), "the cart on the page")
-            page.get_by_role("button", name="add", exact=True).click()
-            page.locator(".upload input").nth(1).set_input_files(str(folder))
-            dialog.wait_for()
-            assert "arm is in the scene" in dialog.inner_text()
-            assert "1 other file is no part" in dialog.inner_text()
-            dialog.get_by_role("button", name="close").click()
-            wait_until(lambda: page.evaluate("!!morse.world.value.find('arm')"), "the arm on the page")
-            page.keyboard.press("Control+s")
-            page.locator("dialog.save").get_by_text(str(tmp_path / "data" / "arm")).wait_for()
-            page.get_by_role("button", name="save", exact=True).click()
-            wait_until(lambda: (tmp_path / "data/arm/urdf/arm.urdf").is_file(), "the files beside the script")
-            wait_until(lambda: "Robot(" in script.read_text(), "the script")
-            # nothing that can be added: named, and nothing happens
-            page.evaluate(DROP, {"arm.urdf": "<robot"})
-            dialog.wait_for()
-            assert "cannot be added" in dialog.inner_text()
+            yield open_page(simulation.view.url, width=1000, height=700), script
         finally:
             end.set()
             thread.join()
+
+
+def test_a_file_is_dropped_on_the_page_and_a_folder_is_chosen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, open_page: Callable[..., Page]
+) -> None:
+    folder = tmp_path / "mine" / "arm"
+    for name, text in ARM.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    (folder / "README.md").write_text("no part of it")
+    with page_of_scene(tmp_path, monkeypatch, open_page) as (page, script):
+        page.evaluate(DROP, {"cart.xml": MJCF})
+        dialog = page.locator("dialog.examined")
+        dialog.wait_for()
+        assert "cart is in the scene" in dialog.inner_text()
+        assert "joints" in dialog.inner_text()
+        dialog.get_by_role("button", name="close").click()
+        wait_until(lambda: page.evaluate("!!morse.world.value.find('cart')"), "the cart on the page")
+        page.get_by_role("button", name="add", exact=True).click()
+        page.locator(".upload input").nth(1).set_input_files(str(folder))
+        dialog.wait_for()
+        assert "arm is in the scene" in dialog.inner_text()
+        assert "1 other file is no part" in dialog.inner_text()
+        dialog.get_by_role("button", name="close").click()
+        wait_until(lambda: page.evaluate("!!morse.world.value.find('arm')"), "the arm on the page")
+        page.keyboard.press("Control+s")
+        page.locator("dialog.save").get_by_text(str(tmp_path / "data" / "arm")).wait_for()
+        page.get_by_role("button", name="save", exact=True).click()
+        wait_until(lambda: (tmp_path / "data/arm/urdf/arm.urdf").is_file(), "the files beside the script")
+        wait_until(lambda: "Robot(" in script.read_text(), "the script")
+        # nothing that can be added: named, and nothing happens
+        page.evaluate(DROP, {"arm.urdf": "<robot"})
+        dialog.wait_for()
+        assert "cannot be added" in dialog.inner_text()
+
+
+DROP_BYTES = """([name, encoded]) => {
+    const bytes = Uint8Array.from(atob(encoded), (one) => one.charCodeAt(0));
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([bytes], name));
+    document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+}"""
+
+
+def zipped(files: Mapping[str, str | bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
+    """A ZIP archive with a comment at its end."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", method) as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+        archive.comment = b"made by anybody"
+    return content.getvalue()
+
+
+def with_password(archive: bytes) -> bytes:
+    """The archive, whose list says that its first file is encrypted."""
+    at = archive.index(b"PK\x01\x02") + 8
+    return archive[:at] + b"\x01" + archive[at + 1 :]
+
+
+def test_an_archive_is_dropped_on_the_page_as_its_folder_would_be_and_a_damaged_one_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, open_page: Callable[..., Page]
+) -> None:
+    # with what a Mac adds, and with a folder that is written as on Windows
+    arm = {f"arm/{name}": text for name, text in ARM.items() if name != "meshes/part.obj"}
+    good = zipped(arm | {"arm\\meshes\\part.obj": TETRAHEDRON, "__MACOSX/arm/._arm.urdf": b"\0", "arm/README.md": "-"})
+    bad = {
+        "empty": b"",
+        "text": b"PK, but no archive",
+        "cut": good[: len(good) // 2],
+        "list": good[: -len("made by anybody") - 60] + good[-len("made by anybody") - 22 :],
+        "content": good.replace(good[60:90], bytes(30)),
+        "locked": with_password(good),
+        "bzip2": zipped(arm, zipfile.ZIP_BZIP2),
+        "letter": zipped({"letter.txt": "no model"}, zipfile.ZIP_STORED),
+        "bomb": zipped({"arm.stl": bytes(129 << 20)}),
+    }
+    with page_of_scene(tmp_path, monkeypatch, open_page) as (page, _):
+        dialog = page.locator("dialog.examined")
+        for name, archive in bad.items():
+            page.evaluate(DROP_BYTES, [f"{name}.zip", encoded(archive)])
+            said = wait_until(lambda name=name: [one for one in toasts(page) if f"{name}.zip" in one], name)
+            assert any(why in said[0] for why in ("cannot be read: ", "no model in")), said
+        assert dialog.count() == 0
+        page.evaluate(DROP_BYTES, ["download (1).zip", encoded(good)])
+        dialog.wait_for()
+        assert "arm is in the scene" in dialog.inner_text()
+        assert "1 other file is no part" in dialog.inner_text()
+        assert "left out" not in dialog.inner_text()
+        wait_until(lambda: page.evaluate("!!morse.world.value.find('arm')"), "the arm on the page")

@@ -29,7 +29,8 @@ export async function unzipped(archive: File): Promise<Item[]> {
     if (at + 46 > list.byteLength || list.getUint32(at, true) !== ENTRY_MARK) throw new Error("its list of files is damaged");
     const [flags, method, packed] = [list.getUint16(at + 8, true), list.getUint16(at + 10, true), list.getUint32(at + 20, true)];
     const [named, extra, comment, place] = [list.getUint16(at + 28, true), list.getUint16(at + 30, true), list.getUint16(at + 32, true), list.getUint32(at + 42, true)];
-    const path = new TextDecoder().decode(new Uint8Array(list.buffer, at + 46, Math.min(named, list.byteLength - at - 46)));
+    // programs for Windows may separate folders their way
+    const path = new TextDecoder().decode(new Uint8Array(list.buffer, at + 46, Math.min(named, list.byteLength - at - 46))).replaceAll("\\", "/");
     at += 46 + named + extra + comment;
     if (path.endsWith("/")) continue; // a folder
     if ((flags & 1) !== 0) throw new Error(`${path} needs a password`);
