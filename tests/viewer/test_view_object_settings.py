@@ -11,9 +11,12 @@ from editor_desk import MODELS, SCENE, Desk
 from view_pages import Client
 
 import morse
+from morse import builder
+from morse.builder.components.matter import Matter
 from morse.core.exceptions import MorseError
 from morse.scene import PhysicsType
 from morse.viewer.catalog import Catalog
+from morse.viewer.object_settings import settings_of_object, whole_call
 
 
 @pytest.fixture
@@ -42,13 +45,13 @@ def test_a_solid_gets_a_colour_and_falls_is_saved_and_loaded(desk: Desk, tmp_pat
 
     desk.do("add_model", model="Cube", position=[8, 1, 5])
     shown = settings(desk, "cube")
-    assert [one["name"] for one in shown["color"]] == ["r", "g", "b"]
+    assert [one["name"] for one in shown["color"]] == ["r", "g", "b", "alpha"]
     assert {"RIGID_BODY", "STATIC"} <= {*shown["set_physics_type"][0]["choices"]}
     assert shown["set_mass"][0]["unit"] == "kg"
 
     put("color", r=1.0, g=0.0, b=0.0)
     # what is not given stays as it is
-    put("color", b=0.5)
+    put("color", b=0.5, alpha=0.25)
     put("set_mass", _=2.5)
     put("set_friction", _=0.3)
     put("set_damping", linear=0.0)
@@ -67,18 +70,33 @@ def test_a_solid_gets_a_colour_and_falls_is_saved_and_loaded(desk: Desk, tmp_pat
     desk.do("undo_change")
     desk.do("save_scene", write=True)
     lines = (tmp_path / "scene.py").read_text().splitlines()
-    assert "cube.color(r=1.0, g=0.0, b=0.5)" in lines
+    assert "cube.color(r=1.0, g=0.0, b=0.5, alpha=0.25)" in lines
     assert "cube.set_mass(2.5)" in lines
     with morse.load(tmp_path / "scene.py") as again:
         node = again.scene.find("cube")
         assert node is not None
-        assert node.materials[0].color == (1.0, 0.0, 0.5, 1.0)
+        assert node.materials[0].color == (1.0, 0.0, 0.5, 0.25)
         body = node.body
         assert (body.type, body.mass, body.friction) == (PhysicsType.RIGID_BODY, 2.5, 0.3)
         assert (body.linear_damping, body.angular_damping) == (0.0, 0.1)
     desk.simulation.start_anew()
     desk.simulation.step(2)
     assert desk.simulation.world.objects_by_name["cube"].mass == pytest.approx(2.5)
+
+
+OBJECTS = [
+    name for name in builder.__all__ if isinstance(one := getattr(builder, name), type) and issubclass(one, Matter)
+]
+
+
+@pytest.mark.parametrize("name", OBJECTS)
+def test_every_setting_of_every_object_has_a_value(name: str) -> None:
+    cls = getattr(builder, name)
+    found = settings_of_object("one", cls, cls().scene_node, [])
+    for setting in found.settings if found else []:
+        given = whole_call(cls, cls().scene_node, setting.method, {})
+        assert given is not None
+        assert [*given.values()] == [one.value for one in setting.arguments]
 
 
 def test_the_fields_that_can_have_noise_can_be_chosen(desk: Desk) -> None:

@@ -39,7 +39,7 @@ def _present(method: str, node: Node) -> list[object]:
     body = node.body
     if method == "color":
         material = node.materials[0] if node.materials else None
-        return [round(float(part), 4) for part in (material.color[:3] if material is not None else (0.0, 0.0, 0.0))]
+        return [round(float(part), 4) for part in (material.color if material is not None else (0.0, 0.0, 0.0, 1.0))]
     values: dict[str, list[object]] = {
         "set_physics_type": [body.type.value],
         "set_mass": [body.mass],
