@@ -405,6 +405,36 @@ def test_textures_of_planes_are_where_the_version_of_mujoco_has_them(
     assert colour == pytest.approx(expected, abs=8)
 
 
+@pytest.mark.parametrize(
+    ("geom", "camera", "material", "place", "expected"),
+    [
+        # half of an extent to the left, and in front: a quarter of a texture, and half of it repeated half a time
+        ('type="box" size=".4 .0001 .4"', "front", 'texrepeat="1 .5"', (-0.2, 0.2), (64, 192)),
+        ('type="box" size=".4 .0001 .4"', "front", 'texrepeat="1 .5"', (-0.2, -0.2), (64, 192)),
+        ('type="box" size=".4 .0001 .4"', "front", 'texrepeat="1 .5" texuniform="true"', (-0.2, -0.2), (102, 128)),
+        ('type="capsule" size=".4 .4"', "front", 'texrepeat="1 .5"', (0.0, 0.2), (128, 192)),
+        ('type="cylinder" size=".4 .4"', "front", 'texrepeat="1 .5"', (0.0, -0.2), (128, 192)),
+        ('type="cylinder" size=".4 .0001"', "above", "", (-0.2, 0.2), (64, 64)),
+        ('type="ellipsoid" size=".4 .4 .0001"', "above", "", (-0.2, 0.2), (64, 64)),
+        ('type="sphere" size=".4"', "above", "", (0.0, 0.0), (128, 128)),
+    ],
+)
+def test_old_versions_of_mujoco_project_textures_along_z(
+    geom: str,
+    camera: str,
+    material: str,
+    place: tuple[float, float],
+    expected: tuple[int, ...],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # column 0.5 + x repeat / 2 and row 0.5 - y repeat / 2, where x and y are -1 to 1, or in metres if uniform
+    monkeypatch.setattr("morse.eyes.geoms._TEXTURES_ARE_CENTRED", True)
+    picture = _textured(geom, "2d", camera, material)
+    focal = 50.5 / np.tan(np.radians(22.5))
+    column, row = 50 + focal * place[0] / 2, 50 - focal * place[1] / 2
+    assert picture[round(row), round(column)][:2] == pytest.approx(expected, abs=8)
+
+
 def test_textures_of_any_size_are_where_they_belong() -> None:
     same, other = (_textured('type="plane" size=".4 .4 1"', "2d", "above", size=size) for size in (128, 100))
     inside = np.s_[30:70, 30:70, :2]

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 PLANE, HFIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH, SDF = range(9)
 ARROW, ARROW1, ARROW2, LINE, LINEBOX, FLEX, SKIN, LABEL, TRIANGLE = range(100, 109)
 
-#: before that version of MuJoCo, the middle of a texture is in the middle of a plane; since then, a corner at a corner
+#: before that version of MuJoCo, textures are projected along Z onto planes, boxes, spheres and the like, with their
+#: middle at that of the geom; since then, they begin at a corner of planes, and are wrapped around the others
 _TEXTURES_BEGIN_AT_CORNERS = (3, 12)
 _TEXTURES_ARE_CENTRED = tuple(map(int, mujoco.__version__.split(".")[:2])) < _TEXTURES_BEGIN_AT_CORNERS
 
@@ -393,7 +394,8 @@ def _parts_of(geom: np.void, number: int, kind: int | None, faces: Sequence[int]
         ]
     for name, sizes, shift in _PARTS.get(what, ()):
         scale3 = (size[sizes[0]], size[sizes[1]], size[sizes[2]])
-        key = _mapped((name,), kind, scale3, scale3, bool(geom["texuniform"]))
+        shape: Key = ("planar", (name,)) if kind == FLAT and _TEXTURES_ARE_CENTRED else (name,)
+        key = _mapped(shape, kind, scale3, scale3, bool(geom["texuniform"]))
         parts.append(_Part(key, number, scale3, (0.0, 0.0, shift * size[2])))
     return parts
 
@@ -589,5 +591,6 @@ class Look:
         if _TEXTURES_ARE_CENTRED:
             planes = own["type"] == PLANE
             maps[planes, 2:] = 0.5 - maps[planes, :2] / 2
+            maps[np.isin(own["type"], list(_PARTS)), 2:] = 0.5
         maps[slots == 6] = 1.0, 1.0, 0.0, 0.0
         return maps

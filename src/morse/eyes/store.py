@@ -150,6 +150,8 @@ class ModelStore:
         if name == "cube":
             inner, scale = rest
             return cube_mapped(self._made(inner), np.array(scale, np.float64))
+        if name == "planar":
+            return _planar(self._made(rest[0]))
         if name == "mesh":
             return self._mesh(*rest)
         if name == "hull":
@@ -243,7 +245,7 @@ def _numbered(faces: NDArray[np.int32], vertices: int) -> Triangles:
 
 
 def _planar(mesh: Triangles) -> Triangles:
-    """The mesh with the texture coordinates that MuJoCo generates, per metre, 0 at the origin."""
+    """The mesh with the texture coordinates that MuJoCo generates: along X and Y, 1 for 2 units, 0 at the origin."""
     corners = mesh.vertices[mesh.triangles]
     return mesh._replace(uvs=(corners[..., :2] * np.array([0.5, -0.5], np.float32)).astype(np.float32))
 
