@@ -4,6 +4,8 @@ import heapq
 
 import numpy as np
 
+from morse.plugins.people.wayfinding import distance_to
+
 
 def gap_at(points, gap, origin, cell):
     """The distances (N,) of points to the nearest wall, m, bilinear between the cells."""
@@ -86,13 +88,5 @@ def wall(gap, polygon, rows, columns, origin, cell):
     x = origin[0] + cell * np.arange(columns.start, columns.stop)
     y = origin[1] + cell * np.arange(rows.start, rows.stop)
     points = np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1).reshape(-1, 2)
-    a, b = polygon, np.roll(polygon, -1, axis=0)
-    way = b - a
-    squared = np.maximum((way * way).sum(axis=1), 1e-12)
-    apart = points[:, None, :] - a
-    share = np.clip((apart * way).sum(axis=2) / squared, 0.0, 1.0)
-    rest = apart - share[..., None] * way
-    distance = np.sqrt((rest * rest).sum(axis=2).min(axis=1))
-    within = (way[:, 0] * apart[..., 1] - way[:, 1] * apart[..., 0] >= 0.0).all(axis=1) & (len(polygon) > 2)
     part = gap[rows, columns]
-    np.minimum(part, np.where(within, -distance, distance).reshape(part.shape), out=part)
+    np.minimum(part, distance_to(polygon, points).reshape(part.shape), out=part)

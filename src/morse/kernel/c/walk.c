@@ -41,17 +41,19 @@ MORSE_EXPORT void morse_walk_wall(Wall *all);
 MORSE_EXPORT void morse_walk_direction(Walk *all);
 MORSE_EXPORT void morse_walk_arrival(Arrival *all);
 
-// the larger cell index that is not beyond the second last one; 0 for what is no number
-static int64_t limited(double value, int64_t last) {
+// A coordinate in cells as an index from 0 to `last`; 0 for NaN.
+static int64_t cell_index(double value, int64_t last) {
     return value >= (double)last ? last : value >= 0.0 ? (int64_t)value : 0;
 }
 
-static double clipped(double value) { return value < 0.0 ? 0.0 : value > 1.0 ? 1.0 : value; }
+// Limits a share to 0 to 1.
+static double share_of(double value) { return value < 0.0 ? 0.0 : value > 1.0 ? 1.0 : value; }
 
+// The distance of a place to the nearest wall, m, bilinear between the cells.
 static double gap_at(const Walk *all, double x, double y) {
     const double u = (x - all->origin[0]) / all->cell, v = (y - all->origin[1]) / all->cell;
-    const int64_t column = limited(floor(u), all->width - 2), row = limited(floor(v), all->height - 2);
-    const double a = clipped(u - (double)column), b = clipped(v - (double)row);
+    const int64_t column = cell_index(floor(u), all->width - 2), row = cell_index(floor(v), all->height - 2);
+    const double a = share_of(u - (double)column), b = share_of(v - (double)row);
     const double *low = all->gap + row * all->width + column, *high = low + all->width;
     double sum = (1.0 - a) * (1.0 - b) * low[0];
     sum += a * (1.0 - b) * low[1];
@@ -60,8 +62,9 @@ static double gap_at(const Walk *all, double x, double y) {
     return sum;
 }
 
-// how far people come in the directions `result`, turned, at their free speeds; for those whose `best` is not negative
-static void come(Walk *all, double cosine, double sine) {
+// How far people come in the directions `wanted`, turned, at their free speeds, m, for those whose `best` is not
+// negative; sets `free`.
+static void find_free_ways(Walk *all, double cosine, double sine) {
     for (int64_t i = 0; i < all->people; i++) all->free[i] = all->sight;
     for (int64_t k = 0; k < all->pairs; k++) {
         const int64_t i = all->first[k];
@@ -82,6 +85,7 @@ static void come(Walk *all, double cosine, double sine) {
         if (all->best[i] < 0.0) continue;
         const double x = all->wanted[2 * i], y = all->wanted[2 * i + 1];
         const double u = cosine * x - sine * y, v = sine * x + cosine * y;
+        // walls 1.2 m and 0.6 m ahead: half of the way to them is free
         for (int step = 2; step; step--) {
             const double ahead = 0.6 * step;
             const double gap = gap_at(all, all->position[2 * i] + ahead * u, all->position[2 * i + 1] + ahead * v);
@@ -90,6 +94,7 @@ static void come(Walk *all, double cosine, double sine) {
     }
 }
 
+// The best of the directions for each of the people; of equal ones the first, the straight one before all others.
 void morse_walk_direction(Walk *all) {
     const double sight = all->sight;
     for (int64_t i = 0; i < all->people; i++) {
@@ -97,7 +102,7 @@ void morse_walk_direction(Walk *all) {
         all->best[i] = stands || !all->present[i] ? -1.0 : 1.0;
         all->result[2 * i] = all->wanted[2 * i], all->result[2 * i + 1] = all->wanted[2 * i + 1];
     }
-    come(all, 1.0, 0.0);
+    find_free_ways(all, 1.0, 0.0);
     for (int64_t i = 0; i < all->people; i++) {
         const double free = all->free[i];
         if (all->best[i] < 0.0) continue;
@@ -106,7 +111,7 @@ void morse_walk_direction(Walk *all) {
     }
     for (int64_t turn = 0; turn < all->turns; turn++) {
         const double cosine = all->turned[2 * turn], sine = all->turned[2 * turn + 1];
-        come(all, cosine, sine);
+        find_free_ways(all, cosine, sine);
         for (int64_t i = 0; i < all->people; i++) {
             const double free = all->free[i], cost = sight * sight + free * free - 2.0 * sight * free * cosine;
             if (all->best[i] < 0.0 || !(cost < all->best[i] - 1e-9)) continue;
@@ -117,12 +122,13 @@ void morse_walk_direction(Walk *all) {
     }
 }
 
-// the heap: the parent of each cell has no later time; equal times by the number of the cell
+// The order of the heap, in which no cell is before its parent: by times, equal ones by the numbers of the cells.
 static int is_before(const Arrival *all, int64_t one, int64_t two) {
     return all->time[one] < all->time[two] || (all->time[one] == all->time[two] && one < two);
 }
 
-static void rise(Arrival *all, int64_t cell, int64_t place) {
+// Puts a cell at a place of the heap, or nearer to its root.
+static void move_up(Arrival *all, int64_t cell, int64_t place) {
     while (place > 0) {
         const int64_t parent = all->heap[(place - 1) / 2];
         if (!is_before(all, cell, parent)) break;
@@ -132,7 +138,8 @@ static void rise(Arrival *all, int64_t cell, int64_t place) {
     all->heap[place] = cell, all->place[cell] = place;
 }
 
-static int64_t taken(Arrival *all, int64_t size) {
+// Removes the first cell of the heap.
+static int64_t take_first(Arrival *all, int64_t size) {
     const int64_t first = all->heap[0], cell = all->heap[size - 1];
     int64_t place = 0;
     for (int64_t child = 1; child < size - 1; child = 2 * place + 1) {
@@ -146,16 +153,16 @@ static int64_t taken(Arrival *all, int64_t size) {
     return first;
 }
 
-// the eikonal equation, the nearest cell first (Sethian 1996)
+// Solves the eikonal equation, the nearest cell first (Sethian 1996).
 void morse_walk_arrival(Arrival *all) {
     const int64_t around[4] = {1, -1, all->width, -all->width};
     double *time = all->time;
     int64_t size = 0;
     for (int64_t i = 0; i < all->count; i++) all->place[i] = -1;
     for (int64_t i = 0; i < all->seeds; i++)
-        if (all->place[all->seed[i]] < 0) rise(all, all->seed[i], size++);
+        if (all->place[all->seed[i]] < 0) move_up(all, all->seed[i], size++);
     while (size) {
-        const int64_t cell = taken(all, size--);
+        const int64_t cell = take_first(all, size--);
         for (int side = 0; side < 4; side++) {
             const int64_t next = cell + around[side];
             if (!all->is_free[next]) continue;
@@ -167,13 +174,13 @@ void morse_walk_arrival(Arrival *all) {
             const double value = root > 0.0 && apart < step ? 0.5 * (low + high + sqrt(root)) : low + step;
             if (!(value < time[next])) continue;
             time[next] = value;
-            rise(all, next, all->place[next] < 0 ? size++ : all->place[next]);
+            move_up(all, next, all->place[next] < 0 ? size++ : all->place[next]);
         }
     }
 }
 
-// the square of the distance to the edges; the sign is negative within the polygon
-static double apart_from(const Wall *all, double x, double y) {
+// The distance to the edges of a polygon, m; negative within it.
+static double distance_to_polygon(const Wall *all, double x, double y) {
     const double *points = all->polygon;
     const int64_t count = all->corners;
     double least = INFINITY;
@@ -182,7 +189,7 @@ static double apart_from(const Wall *all, double x, double y) {
         const double *a = points + 2 * i, *b = points + 2 * (i + 1 < count ? i + 1 : 0);
         const double u = b[0] - a[0], v = b[1] - a[1], p = x - a[0], q = y - a[1];
         const double whole = u * u + v * v, squared = whole > 1e-12 ? whole : 1e-12;
-        const double share = clipped((p * u + q * v) / squared), s = p - share * u, t = q - share * v;
+        const double share = share_of((p * u + q * v) / squared), s = p - share * u, t = q - share * v;
         const double square = s * s + t * t;
         if (square < least) least = square;
         within = within && u * q - v * p >= 0.0;
@@ -191,6 +198,7 @@ static double apart_from(const Wall *all, double x, double y) {
     return within ? -distance : distance;
 }
 
+// Shortens the distances to the nearest wall by those to a polygon.
 void morse_walk_wall(Wall *all) {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int64_t i = 0; i < 2 * all->corners; i++) {
@@ -206,7 +214,7 @@ void morse_walk_wall(Wall *all) {
             const double u = x < low[0] ? low[0] - x : x > high[0] ? x - high[0] : 0.0, square = u * u + v * v;
             // another wall is nearer than the box around this one; with room for rounding
             if (square > 0.0 && (*gap <= 0.0 || square > *gap * *gap * (1.0 + 1e-9))) continue;
-            const double distance = apart_from(all, x, y);
+            const double distance = distance_to_polygon(all, x, y);
             if (distance < *gap) *gap = distance;
         }
     }
