@@ -234,7 +234,7 @@ class Crowd(Robot):
         *,
         joined: bool = True,
     ) -> None:
-        """Let a `Human` walk with the crowd, from where it stands: it avoids the others, and they avoid it.
+        """Let a `Human` walk with the crowd from where it stands: it avoids the others, and they avoid it.
 
         Its own actuators have no effect meanwhile. The services ``leave`` and ``join`` change that in the simulation.
 

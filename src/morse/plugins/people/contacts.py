@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.core.reports.quoting import nearest as nearest_name
-from morse.plugins.people.members import joined
+from morse.plugins.people.members import present_members
 from morse.plugins.people.walking import Others, Walkers
 from morse.plugins.people.wayfinding import HEIGHT, Ground, distance_to, hull
 from morse.scene import PhysicsType
@@ -292,7 +292,7 @@ class Surroundings:
         """Return the robots and the moving objects, which people may see and touch."""
         world = self.context.world
         # members of crowds are people, not robots
-        members = [name for robot in self.context.robots.values() for name in joined(robot)]
+        members = [name for robot in self.context.robots.values() for name in present_members(robot)]
         if self._movers is not None and self._arrangement == (world.arrangement, members):
             return self._movers
         self._arrangement, self._movers = (world.arrangement, members), []

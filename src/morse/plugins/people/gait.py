@@ -99,7 +99,7 @@ class Gait:
         self.phase[rows] = np.floor(self.phase[rows])
         self.stands[rows] = True
         self.hip[rows] = HIP * self.height[rows]
-        self.feet[rows] = _on(steps, self._homes(position))[rows]
+        self.feet[rows] = _on_steps(steps, self._homes(position))[rows]
         for side in (0, 1):
             self.ground[rows, side] = 0.0 if steps is None else steps.ground(rows, self.feet[rows, side])
 
@@ -141,7 +141,7 @@ class Gait:
         if steps is not None:
             length = np.where(np.isnan(steps.tread), length, steps.tread)
         homes = self._homes(position, sits)
-        stand = _on(steps, homes)
+        stand = _on_steps(steps, homes)
         away = _size(self.feet - stand)
         begins = self.stands & (walks | (away.max(axis=1) > _FAR))
         # the foot that is farther away steps first
@@ -247,7 +247,7 @@ class Gait:
         return places, turns
 
 
-def _on(steps: Steps | None, places: Floats) -> Floats:
+def _on_steps(steps: Steps | None, places: Floats) -> Floats:
     """Return places (N, 2, 2) of feet, on the middles of steps where people are on stairs."""
     if steps is None:
         return places

@@ -42,7 +42,12 @@ _FASTEST = 5.0
 
 
 class Guided(Protocol):
-    """What a crowd needs of a robot that walks with it."""
+    """What a crowd needs of a robot that walks with it.
+
+    Attributes:
+        bge_object: its body.
+        active: whether it has not been deactivated.
+    """
 
     bge_object: Body
     active: bool
@@ -51,7 +56,7 @@ class Guided(Protocol):
         """Walk for a tick, m/s and rad/s in the axes of the robot, whatever its actuators command."""
 
 
-def declared(name: str, members: list[Any], context: Context) -> dict[str, tuple[Node, bool]]:
+def nodes_of_members(name: str, members: list[Any], context: Context) -> dict[str, tuple[Node, bool]]:
     """Return the nodes of the robots of a plan, and whether they walk with the crowd from the beginning, by names.
 
     Args:
@@ -78,12 +83,12 @@ def declared(name: str, members: list[Any], context: Context) -> dict[str, tuple
     return found
 
 
-def flows(members: list[Any], nodes: dict[str, tuple[Node, bool]], count: int) -> list[dict[str, Any]]:
+def flows_of_members(members: list[Any], nodes: dict[str, tuple[Node, bool]], count: int) -> list[dict[str, Any]]:
     """Return the flows of members, who begin where their robots are.
 
     Args:
         members: of the plan.
-        nodes: of `declared`.
+        nodes: those of `nodes_of_members`.
         count: number of the people before them.
     """
     found = []
@@ -99,7 +104,7 @@ class Members:
 
     Args:
         context: of the simulation.
-        nodes: of `declared`.
+        nodes: those of `nodes_of_members`.
         first: number of the first one: of the people with bodies of their own.
 
     Attributes:
@@ -184,7 +189,7 @@ class Members:
         agenda.mode[row], walkers.present[row], walkers.velocity[row] = DRIVEN, False, 0.0
 
 
-def joined(robot: Any) -> list[str]:
+def present_members(robot: Any) -> list[str]:
     """Return the names of the robots that walk with a crowd at present; none for a robot that is no crowd."""
     members, walkers = getattr(robot, "members", None), getattr(robot, "walkers", None)
     if not isinstance(members, Members) or walkers is None:

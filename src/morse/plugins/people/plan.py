@@ -11,8 +11,7 @@ import numpy as np
 from morse.core.exceptions import MorseError, MorseRPCInvokationError
 from morse.core.reports.quoting import nearest as nearest_name
 from morse.plugins.people.errands import Queue, line_back, phases
-from morse.plugins.people.members import declared
-from morse.plugins.people.members import flows as member_flows
+from morse.plugins.people.members import flows_of_members, nodes_of_members
 from morse.plugins.people.recorded import checked
 from morse.plugins.people.wayfinding import CELL, Ground, Way, walls
 from morse.scene import PhysicsType
@@ -27,9 +26,10 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-#: m, around starts and goals, in which ways are searched at least; the ground also reaches to the outer walls of the
-#: scene, and beyond these, if it has at most so many cells then
-_AROUND, _BEYOND, _MOST_CELLS = 12.0, 2.0, 500_000
+#: m: the ground reaches at least so far around starts and goals
+_AROUND = 12.0
+#: m: it also reaches so far beyond the outer walls of the scene, as long as it has at most that number of cells
+_BEYOND, _MOST_CELLS = 2.0, 500_000
 #: m: in such steps it grows
 _GROWS = 2.0
 #: m: how far from a solid object people stop who go to it
@@ -98,8 +98,8 @@ class Plan:
         for number, flow in enumerate(open_flows):
             flow["count"] = free // len(open_flows) + (number < free % len(open_flows))
         members = plan.get("members") or []
-        self.members = declared(self._name, members, self._context)
-        flows += member_flows(members, self.members, self._count)
+        self.members = nodes_of_members(self._name, members, self._context)
+        flows += flows_of_members(members, self.members, self._count)
         for flow in flows:
             if flow["goals"] is None:
                 flow.update(default)
@@ -148,7 +148,7 @@ class Plan:
             stack += [(child, moves) for child in node.children]
         heights = self._floors.heights[: self._floors.count].tolist()
         around = [[*walls(fixed, one), *self._floors.walls(floor)] for floor, one in enumerate(heights)]
-        low, high = _reach(low, high, [polygon for own in around for polygon in own], self._floors.grounds)
+        low, high = _extent(low, high, [polygon for own in around for polygon in own], self._floors.grounds)
         grounds = [Ground(own, low, high, radius, self._floors.grounds) for own in around]
         self._floors.spread(grounds[0].breadth, low, high)
         self.loose = [
@@ -291,7 +291,7 @@ class Plan:
         return ways
 
 
-def _reach(low: Floats, high: Floats, polygons: list[Floats], floors: int) -> tuple[Floats, Floats]:
+def _extent(low: Floats, high: Floats, polygons: list[Floats], floors: int) -> tuple[Floats, Floats]:
     """Return the corners (2,), (2,) of a ground that reaches as far to the outer walls as its number of cells permits.
 
     Args:

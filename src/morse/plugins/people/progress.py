@@ -40,7 +40,7 @@ def advance(plan: Plan, agenda: Agenda, walkers: Walkers, now: float) -> None:
         if flow.get("next") and now >= flow["next"][0] and (agenda.flow == number).any():
             number_of_next = flow["next"][1]
             agenda.change(np.flatnonzero(agenda.flow == number), number_of_next, plan.flows[number_of_next])
-    ways, which = _walked(plan, agenda, walkers)
+    ways, which = _present_ways(plan, agenda, walkers)
     left_of_all = plan.ground.times(ways, which, walkers.position)
     # nobody arrives who is farther away than where all would stand side by side
     goes_on = np.isin(agenda.mode, (WAITS, SITS)) & (agenda.until <= now)
@@ -90,7 +90,7 @@ def advance(plan: Plan, agenda: Agenda, walkers: Walkers, now: float) -> None:
     walkers.present = agenda.present()
 
 
-def _walked(plan: Plan, agenda: Agenda, walkers: Walkers) -> tuple[list[Way], NDArray[np.intp]]:
+def _present_ways(plan: Plan, agenda: Agenda, walkers: Walkers) -> tuple[list[Way], NDArray[np.intp]]:
     """Return the ways of a plan, and the number (N,) of that on which each person walks; -1 for those who do not."""
     ways, numbers, level = plan.routes
     which = np.where(agenda.mode == WALKS, numbers[agenda.flow, agenda.stage], -1)
@@ -106,7 +106,7 @@ def look_ahead(plan: Plan, agenda: Agenda, walkers: Walkers) -> None:
         walkers: people; their ``wanted`` is set.
     """
     wanted, position = walkers.wanted, walkers.position
-    wanted[:] = plan.ground.headings(*_walked(plan, agenda, walkers), position)
+    wanted[:] = plan.ground.headings(*_present_ways(plan, agenda, walkers), position)
     queues, sits = np.flatnonzero(agenda.mode == QUEUES), np.flatnonzero(agenda.mode == SITS)
     wanted[queues] = steps_to(position[queues], agenda.target[queues])
     # seated people look to where they came from
@@ -145,7 +145,7 @@ def follow_leaders(
         place_of: returns the place of a leader on the plane, m; None if it is not there.
     """
     position, wanted = walkers.position, walkers.wanted
-    # a leader that jumps about costs one search for a way in that time, and so do all leaders together
+    # one search for a way in `SEEKS` ticks, for one leader after the other: a leader that jumps about costs no more
     turn = tick // SEEKS % max(len(trails), 1) if tick % SEEKS == 0 else -1
     for number, (name, trail) in enumerate(trails.items()):
         place = place_of(name)

@@ -31,16 +31,17 @@ if TYPE_CHECKING:
 UP, DOWN = 0.610 / 1.34, 0.694 / 1.34
 #: how much longer a way on stairs takes: the mean of both
 SLOW = 0.5 * (1.0 / UP + 1.0 / DOWN)
-#: m: a flight and a floor that are so near to each other meet
+#: m: the end of a flight belongs to a floor whose height differs by less
 _SAME = 0.3
-#: m: extent of the overlaps; from the edge of the floor to where people change over, and to the links of ways
+#: m: extent of the overlaps; distances from the edge of a floor to where people change over, and to links of ways
 _OVERLAP, _CHANGES, _LINKS = 0.6, 0.15, 0.3
-#: m, thickness of rails; from them to the first cell of a link
+#: m: thickness of rails; distance from them to the outermost cells of links
 _RAIL, _BESIDE = 0.05, 0.3
 #: m: people see others that far on the other side of the edge of a floor
 _SEES = 2.5
-#: m: share of the height of a body by which hips are lower on stairs; over which way people bend their knees
-_BENDS = 0.02
+#: share of the height of a body by which hips are lower on stairs, because knees are bent
+_BENT = 0.02
+#: m: before a flight, people bend their knees over this way
 _BENDING = 0.5
 
 
@@ -186,7 +187,7 @@ class Stairs:
                 for pair in sorted(one for one in pairs if min(one) >= 0):
                     ground.links.append(Link(np.array(pair, dtype=np.intp), costs, is_level=False))
 
-    def _on(self, number: int, area: Indices) -> Indices:
+    def _people_on(self, number: int, area: Indices) -> Indices:
         return np.flatnonzero(area == self._first + number)
 
     def change(self, walkers: Walkers, area: Indices, move: Callable[[Indices, int], None]) -> None:
@@ -206,7 +207,7 @@ class Stairs:
                 enters = (into > _CHANGES) & (into < _OVERLAP) & (np.abs(places[:, 1]) < 0.5 * flight.width)
                 if enters.any():
                     move(rows[enters], own)
-                rows = self._on(number, area)
+                rows = self._people_on(number, area)
                 places = flight.local(walkers.position[rows] - self._shift[own])
                 leaves = (places[:, 0] - edge) * way < -_CHANGES
                 if leaves.any():
@@ -289,7 +290,7 @@ class Stairs:
             along = flight.local(position[rows] - self._shift[area[rows]])[:, 0]
             inside = np.minimum(along, flight.run - along)
             steps.share[rows] = np.clip((inside + _BENDING) / _BENDING, 0.0, 1.0)
-            steps.bend[rows], steps.half[rows] = 0.5 * flight.riser + _BENDS * tall[rows], 0.5 * flight.tread
+            steps.bend[rows], steps.half[rows] = 0.5 * flight.riser + _BENT * tall[rows], 0.5 * flight.tread
             steps.tread[rows[inside > -0.5 * flight.tread]] = flight.tread
         return steps
 

@@ -166,21 +166,20 @@ class Traffic(Robot):
     def right_of_way(self, *roads: str, first: Iterable[str] = ()) -> None:
         """Let the cars of roads that cross each other give way, where there are no traffic lights.
 
-        Those that come from the right go first; where each car waits for another one, the one that came first. Nobody
-        enters a crossing behind which there is no room.
+        Cars that come from the right go first. If each car waits for another one, the one that came first goes first.
+        Nobody enters a crossing behind which there is no room.
 
         Args:
             roads: names of at least two roads.
             first: names of those among them that have priority over the others.
 
         Raises:
-            ValueError: there is no such road, or it has a rule already.
+            TypeError: the names of roads with priority are no list.
+            ValueError: there is no such road, or two of the roads have a rule already.
         """
         what = "Traffic.right_of_way"
-        names, leading = (
-            [self._known(one, what) for one in roads],
-            [self._known(one, what) for one in _names(first, what)],
-        )
+        names = [self._known(one, what) for one in roads]
+        leading = [self._known(one, what) for one in _names(first, what)]
         if len(set(names)) < 2 or len(set(names)) < len(names):
             raise ValueError(f"{what} takes two or more different roads that cross, got {', '.join(names) or 'none'}")
         for one in leading:

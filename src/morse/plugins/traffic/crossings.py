@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from morse.plugins.traffic.driving import Driver
     from morse.plugins.traffic.roads import Road
+    from morse.plugins.traffic.robots.traffic import Bodies
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.int64]
@@ -128,7 +129,9 @@ class Cars:
     Attributes:
         road: (N,) number of its road.
         there: (N,) whether it is on a road.
-        front, length, speed, desired: (N,) m, m, m/s, m/s.
+        front: (N,) place of the front bumper along the road, m.
+        length: (N,) m.
+        speed, desired: (N,) m/s.
         lane: (N,) number of the lane.
         gap, ahead: (N,) to what is ahead on the lane, m, and its speed, m/s.
     """
@@ -162,13 +165,13 @@ class Crossings:
     passes: NDArray[np.bool_]
     since: Floats
 
-    def room(self, cars: Cars, driver: Driver, people: Any, now: float) -> Floats:
+    def room(self, cars: Cars, driver: Driver, people: Bodies, now: float) -> Floats:
         """Decide who passes, and return the distances (N,) to the lines where the others wait, m, else infinite.
 
         Args:
             cars: on the roads.
             driver: parameters of all drivers.
-            people: ``points`` and ``velocities`` (M, 2) of robots and people, m, m/s.
+            people: robots and people near the roads.
             now: s.
         """
         room = np.full(len(cars.road), np.inf)
@@ -199,7 +202,8 @@ class Crossings:
             left = left - np.floor((left + 0.5 * around) / around) * around
         return np.where(cars.there & (cars.road == road), left, np.inf)
 
-    def _is_walked_on(self, zebra: Zebra, people: Any) -> bool:
+    def _is_walked_on(self, zebra: Zebra, people: Bodies) -> bool:
+        """Return whether somebody is on a zebra crossing, or about to step on it."""
         if not len(people.points):
             return False
         road = self.roads[zebra.road]
@@ -211,6 +215,14 @@ class Crossings:
         return bool((on & (np.abs(place - zebra.place) < 0.5 * zebra.width + 0.3)).any())
 
     def _wait(self, cars: Cars, driver: Driver, reach: Floats, now: float) -> Floats:
+        """Decide who passes the crossings of roads; return the distances (N,) to the lines of the others, m.
+
+        Args:
+            cars: on the roads.
+            driver: parameters of all drivers.
+            reach: (N,) m: drivers look at lines that are nearer.
+            now: s.
+        """
         left = [self._left(cars, line.road, line.place) for line in self.lines]
         self.passes[~cars.there] = False
         near = []
@@ -237,6 +249,7 @@ class Crossings:
                     self.passes[car, number] = True
                 elif waits[car]:
                     blocked.append((car, number, others))
+        # of those who wait for each other, who came first passes, if nobody is in the crossing
         for car, number, others in sorted(blocked, key=lambda one: (self.since[one[0]], one[0])):
             across = [rival for rival, _ in self.lines[number].rivals]
             beside = [rival for one in across for rival, _ in self.lines[one].rivals]
