@@ -406,6 +406,30 @@ def test_textures_of_planes_are_where_the_version_of_mujoco_has_them(
 
 
 @pytest.mark.parametrize(
+    ("centred", "size", "material", "expected"),
+    [
+        # 0.2 m from the middle along both axes, which is a quarter of a plane 0.8 m wide. Along the axis without an
+        # end, the middle of a texture is there, and a texture is 2 m wide: 0.4 of one. Along the other axis, the middle
+        # of a texture is in the middle or at the edge: a quarter of the repetitions less or more than 0.5
+        (True, ".4 0 1", "", (64, 102)),
+        (False, ".4 0 1", "", (192, 102)),
+        (True, "0 .4 1", 'texrepeat="1 .6"', (102, 90)),
+        (False, "0 .4 1", 'texrepeat="1 .6"', (102, 166)),
+        (True, ".4 0 1", 'texrepeat="1.5 1" texuniform="true"', (90, 102)),
+        (False, ".4 0 1", 'texrepeat="1.5 1" texuniform="true"', (166, 102)),
+    ],
+)
+def test_textures_of_planes_without_an_end_along_one_axis(
+    centred: bool, size: str, material: str, expected: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morse.eyes.geoms._TEXTURES_ARE_CENTRED", centred)
+    picture = _textured(f'type="plane" size="{size}"', "2d", "above", material)
+    offset = round(0.1 * 50.5 / np.tan(np.radians(22.5)))
+    colour = picture[50 - offset, 50 - offset][:2]
+    assert colour == pytest.approx(expected, abs=8)
+
+
+@pytest.mark.parametrize(
     ("geom", "camera", "material", "place", "expected"),
     [
         # half of an extent to the left, and in front: a quarter of a texture, and half of it repeated half a time

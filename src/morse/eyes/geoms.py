@@ -270,7 +270,8 @@ class Instances(NamedTuple):
                     else:
                         whole = repeat * (size if geom["texuniform"] else 1.0)
                         self.maps[row, axis] = whole / GRID_REACH
-                        self.maps[row, 2 + axis] = 0.5 if _TEXTURES_ARE_CENTRED else whole / 2
+                        # an edge of the plane is in the middle of a texture
+                        self.maps[row, 2 + axis] = 0.5 if _TEXTURES_ARE_CENTRED else 0.5 + whole / 2
                     scales[:, number, axis] = size / GRID_REACH
         if len(self.lines):
             scales = np.repeat(scales, len(g), axis=0)
