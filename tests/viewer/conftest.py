@@ -7,16 +7,22 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from editor_desk import MODELS, SCENE, Desk
 from playwright.sync_api import Error
 from shared_views import SharedScenes, SharedView
+from view_pages import Client
 from view_simulation import CircleDriver
 from view_worlds import playground
 
+import morse
 from morse.core.clients.network import Network
+from morse.viewer.catalog import Catalog
 from morse.viewer.server import ViewServer
 from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from playwright.sync_api import Browser, BrowserContext, Page
 
 
@@ -46,6 +52,19 @@ def network() -> Iterator[Network]:
     network = Network()
     yield network
     network.stop()
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
+    """A page beside a robot, in the scene `SCENE`, with the models `MODELS`."""
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE)
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        yield desk
 
 
 @pytest.fixture

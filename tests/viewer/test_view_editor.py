@@ -24,18 +24,6 @@ if TYPE_CHECKING:
     from playwright.sync_api import Page
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
-    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
-    script = tmp_path / "scene.py"
-    script.write_text(SCENE)
-    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
-        simulation.step(1)
-        desk = Desk(simulation, client)
-        desk.models()
-        yield desk
-
-
 def test_a_scene_is_changed_and_saved_in_its_script(desk: Desk, tmp_path: Path) -> None:
     assert desk.do("add_model", model="props/crates#small_crate", position=[3, 1, 0], yaw=0.5) == "small_crate"
     assert desk.do("add_model", model="VideoCamera", position=[0.2, 0, 1], robot="robot") == "robot.video_camera"

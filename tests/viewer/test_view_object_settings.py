@@ -2,33 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from editor_desk import MODELS, SCENE, Desk
-from view_pages import Client
+from editor_desk import Desk
 
 import morse
 from morse import builder
 from morse.builder.components.matter import Matter
 from morse.core.exceptions import MorseError
 from morse.scene import PhysicsType
-from morse.viewer.catalog import Catalog
 from morse.viewer.object_settings import settings_of_object, whole_call
-
-
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
-    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
-    script = tmp_path / "scene.py"
-    script.write_text(SCENE)
-    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
-        simulation.step(1)
-        desk = Desk(simulation, client)
-        desk.models()
-        yield desk
 
 
 def settings(desk: Desk, component: str) -> dict[str, list[dict[str, Any]]]:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from editor_desk import MODELS, SCENE, Desk
+from editor_desk import SCENE, Desk
 from view_pages import Client, fetch
 
 import morse
 from morse.testing.process import SimulationProcess
-from morse.viewer.catalog import Catalog
 from tests.kit.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -23,16 +22,10 @@ OTHER = SCENE.replace("robot.translate(1.0, 2.0)", "robot.translate(4.0, 2.0)")
 
 
 @pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
-    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
-    script = tmp_path / "scene.py"
-    script.write_text(SCENE)
-    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
-        simulation.step(1)
-        simulation.options.edit_script = True
-        desk = Desk(simulation, client)
-        desk.models()
-        yield desk
+def desk(desk: Desk) -> Desk:
+    """A page that may change the script."""
+    desk.simulation.options.edit_script = True
+    return desk
 
 
 def version(desk: Desk) -> str:

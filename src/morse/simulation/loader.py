@@ -321,7 +321,7 @@ def _alter(declaration: ComponentDeclaration, cls: type, alterations: Sequence[S
         path = fitting_modifier(one.name, cls)
         known = any(each.classpath == path and each.where == one.where for each in declaration.modifiers)
         if path is not None and path not in own and not known:
-            # other classes of the same modifier have others
+            # the rest are options of the classes of this modifier for other kinds of sensors
             accepted = getattr(load_class(path), "options", None)
             options = {name: value for name, value in one.options.items() if accepted is None or name in accepted}
             declaration.modifiers.append(ModifierDeclaration(path, options, one.where))

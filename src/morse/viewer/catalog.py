@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 _PROGRAM = "morse.launch.model_pictures"
 #: maximum number of bytes of a line that classes of the project print
 _LONGEST_LINE = 400
-#: bytes of a list
+#: largest list of models in the cache, bytes
 _LARGEST_LIST = 4 << 20
 
-#: the last list of each project: the process needs seconds for a new one, many on a busy machine
+#: the last list of each project: the process needs seconds for a new one, and longer on a busy machine
 _cache = Cache("models", 50)
 
 logger = logging.getLogger("morse.viewer")

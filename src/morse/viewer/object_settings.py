@@ -18,13 +18,15 @@ if TYPE_CHECKING:
 
 
 class _Range(NamedTuple):
+    """The unit of a number, and its bounds; None for no bound."""
+
     unit: str = ""
     low: float | None = 0.0
     high: float | None = None
 
 
 _SHARE = _Range(high=1.0)
-#: of the arguments, by method
+#: ranges of the arguments, by method
 _RANGES = {
     "color": _SHARE,
     "set_mass": _Range("kg"),
@@ -67,7 +69,9 @@ def settings_of_object(
     """How an object can be set up; None if it has no body and no colour.
 
     Args:
+        name: of the object.
         cls: its class of the builder.
+        node: of the object, whose present values are shown.
         own: methods and arguments of what pages have called.
     """
     if not (methods := _methods(cls)):

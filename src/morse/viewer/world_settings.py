@@ -115,8 +115,8 @@ def _start_date(settings: Settings) -> str:
 
 
 PROPERTIES = "properties"
-#: unit of the properties of the environment
-_PLACES: dict[str, str] = {
+#: properties of the environment, and their units
+_PROPERTY_UNITS: dict[str, str] = {
     "longitude": "deg",
     "latitude": "deg",
     "altitude": "m",
@@ -176,7 +176,7 @@ _SETTINGS = {
     "set_start_date": _Setting("start_time", {"": _Argument(_start_date)}, is_immediate=False),
     "use_relative_time": _Setting("relative_time", {"": _Argument(lambda one: one.relative_time)}, is_immediate=False),
     "set_auto_start": _Setting("auto_start", {"": _Argument(lambda one: one.auto_start)}, is_immediate=False),
-    PROPERTIES: _Setting("", {name: _Argument(lambda _: 0.0, unit) for name, unit in _PLACES.items()}, False),
+    PROPERTIES: _Setting("", {name: _Argument(lambda _: 0.0, unit) for name, unit in _PROPERTY_UNITS.items()}, False),
 }
 METHODS = (*_SETTINGS, *SEVERAL)
 """What pages may call."""
@@ -252,7 +252,7 @@ def settings_of_world(scene: Scene, own: Iterable[tuple[str, Mapping[str, object
         own: methods and arguments of what pages have called.
     """
     called = dict(own)
-    given: dict[str, object] = {name: scene.properties.get(name, "") for name in _PLACES}
+    given: dict[str, object] = {name: scene.properties.get(name, "") for name in _PROPERTY_UNITS}
     settings = [
         _described(method, (given if method == PROPERTIES else {}) | dict(called.get(method, {})), scene.settings)
         for method in _SETTINGS

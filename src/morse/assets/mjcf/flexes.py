@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 #: largest number of vertices of all deformable bodies of a model, and largest file of one, bytes
 MOST_VERTICES, MOST_BYTES = 10_000, 8 << 20
-#: vertices that are bodies of their own: the time in which the engine compiles them grows faster than their square
+#: largest number of vertices that are bodies of their own: the time to compile them grows faster than their square
 MOST_MOVING = 5_000
 #: kinds of deformable bodies that are files, and the suffixes of these
 FILES = {"mesh": (".stl", ".obj"), "gmsh": (".msh",)}
@@ -43,7 +43,7 @@ def vertices_of(flex: Element) -> int:
 
 
 def moving_of(flex: Element) -> int:
-    """Return how many of these vertices are bodies of their own; those of a cage or a rigid body are not."""
+    """Return how many vertices of a deformable body are bodies; those of a cage or a rigid body are not."""
     fixed = flex.get("rigid") == "true" or flex.get("dof") in ("trilinear", "quadratic")
     return 0 if fixed or flex.tag != "flexcomp" else vertices_of(flex)
 

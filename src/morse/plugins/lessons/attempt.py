@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 #: processor seconds that one call of a student's function may take; a busy machine takes nothing away from them
 LONGEST_CALL = 10.0
-#: wall-clock seconds of one call of a function that waits, and the processor seconds that it computes in them at most:
-#: a loop gets little of a busy computer, and may take longer
+#: wall-clock seconds that one call of a function that waits may take; it waits if it computes for less than these
+#: processor seconds: a loop gets little of a busy computer, and may take longer
 _LONGEST_WAIT, _IDLE = 60.0, 0.5
 #: processor seconds of a whole check
 LONGEST_CHECK = 300.0
