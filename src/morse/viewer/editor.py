@@ -176,7 +176,8 @@ class Editor:
                     source.extend(reversed(changes[number + 1 :]))
                     raise
                 target.append(change)
-            more = f", and {len(changes) - 1} more changes" if len(changes) > 1 else ""
+            others = len(changes) - 1
+            more = f", and {others} more change{'s' if others > 1 else ''}" if others else ""
             return changes[0].what + more
 
         self._attempt(request, make)
