@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import morse
-from morse.eyes import light
+from morse.eyes import shadows
 from morse.eyes.geoms import GeomArray, _with_textures
 from morse.eyes.light import ShadowMaps
 from morse.eyes.renderer import three_geoms
@@ -1045,12 +1045,12 @@ def test_maps_around_what_casts_shadows_have_the_shadows_of_whole_maps(
         '<geom type="plane" size="2 2 .02"/><camera name="side" pos="0 -3 2" xyaxes="1 0 0 0 .6 1"/>'
     )
     xml = _world(body, visual=_DARK)
-    monkeypatch.setattr(light, "_FINER", 1.0)
+    monkeypatch.setattr(shadows, "FINER", 1.0)
     around = _picture(xml, camera="side", size=150)
     whole = ShadowMaps.map_of
 
     def of_everything(self: ShadowMaps, *given: Any) -> Any:
-        return whole(self, *given[:-2], None, given[-1])
+        return whole(self, *given[:-2], given[-2]._replace(bounded=np.zeros(1, np.bool_)), given[-1])
 
     monkeypatch.setattr(ShadowMaps, "map_of", of_everything)
     apart = np.abs(_picture(xml, camera="side", size=150) - around)

@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from morse.eyes.light import (
-    BORDER,
-    DIRECTIONAL,
-    FINER,
-    IMAGE,
-    NO_LIGHT,
-    POINT_LIGHT,
-    WIDEST,
-    axes_of,
-    rest_of,
-)
-from morse.kernel.drawing.arrays import CAMERA, CLASSIC_LIGHT, MOST_SHADOWS
-from morse.mathutils.portable import matmul
+from morse.eyes.light import DIRECTIONAL, IMAGE, NO_LIGHT, POINT_LIGHT, rest_of
+from morse.kernel.drawing.arrays import CLASSIC_LIGHT, MOST_SHADOWS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -116,134 +105,6 @@ def lights_of_scenes(lights: NDArray[np.void]) -> Lights:
     return Lights(rows, place, towards, cutoff, directional[drawn], casts[drawn])
 
 
-class Casters(NamedTuple):
-    """What casts shadows: spheres around the geoms (N, G), m, and which of them it is.
-
-    Attributes:
-        middle: (N, G, 3) float64.
-        reach: (N, G, 1) float64.
-        casting: (N, G).
-        bounded: (N,) whether all of the spheres are known: infinite planes have none.
-    """
-
-    middle: Floats
-    reach: Floats
-    casting: Flags
-    bounded: Flags
-
-
-def _extreme(values: Floats, casting: Flags, *, low: bool) -> Floats:
-    """(N, 2) the least or the largest of values (N, G, 2) of what casts shadows."""
-    numbers = np.where(casting[..., None], values, math.inf if low else -math.inf)
-    return np.asarray(numbers.min(axis=1) if low else numbers.max(axis=1))
-
-
-class MapMaker:
-    """Computes the frames and sizes of shadow maps; see `morse.eyes.light.ShadowMaps`.
-
-    The arguments of its methods are those of N scenes: the `place` (N, 3), m, the direction `towards` (N, 3) and the
-    `cutoff` (N,), rad, of a light; the corners `seen` (N, 8, 3) of what the cameras see, m; `scale`: see
-    `morse.eyes.light.ShadowMaps.map_of`.
-
-    Args:
-        texels: along the side of a map.
-        finest: the same of MuJoCo's own.
-    """
-
-    def __init__(self, texels: int, finest: int) -> None:
-        self._texels, self._finest = texels, finest
-
-    def _texel(self, usual: Floats, side: Floats, whole: Floats | float) -> Floats:
-        """(N,) see `morse.eyes.light.ShadowMaps`."""
-        most = np.maximum(np.maximum(usual / FINER, side / (self._texels - 2 * BORDER)), whole / self._finest)
-        return np.asarray(most)
-
-    def _sizes(self, sides: Floats, fits: Flags) -> NDArray[np.intp]:
-        """(N, 2) width and height of maps, texels."""
-        counts = np.where(fits[:, None], sides, 0.0).astype(np.intp) + 2 * BORDER + 1
-        return np.minimum(counts, self._texels)
-
-    def from_afar(
-        self, place: Floats, towards: Floats, seen: Floats, casters: Casters, scale: float
-    ) -> tuple[Flags, NDArray[np.float32], NDArray[np.intp]]:
-        """Return whether there are maps of a directional light (N,), their frames (N, 16) and sizes (N, 2), texels."""
-        axes = _axes(towards)
-        places = matmul(seen - place[:, None], axes[:, :2].swapaxes(1, 2))
-        low, high = np.maximum(places.min(axis=1), -scale), np.minimum(places.max(axis=1), scale)
-        fits = (high > low).all(axis=1)
-        texel = (high - low).max(axis=1) / (self._texels - 2 * BORDER)
-        middles = matmul(casters.middle - place[:, None], axes[:, :2].swapaxes(1, 2))
-        within_low = np.maximum(low, _extreme(middles - casters.reach, casters.casting, low=True))
-        within_high = np.minimum(high, _extreme(middles + casters.reach, casters.casting, low=False))
-        known = casters.bounded[:, None]
-        low, high = np.where(known, within_low, low), np.where(known, within_high, high)
-        fits &= (high > low).all(axis=1)
-        texel = np.where(casters.bounded, self._texel(texel, (high - low).max(axis=1), 2 * scale), texel)
-        frame = np.zeros((len(place), 4, 4))
-        frame[:, :3, :3] = axes
-        for row in range(2):
-            frame[:, row, 3] = BORDER * texel - low[:, row] - (axes[:, row] * place).sum(axis=1)
-        frame[:, :2] /= texel[:, None, None]
-        # what is behind the light casts no shadow
-        frame[:, 3, 0], frame[:, 3, 1], frame[:, 3, 2] = texel, 1.0, (towards * place).sum(axis=1)
-        return fits, frame.reshape(-1, 16).astype(np.float32), self._sizes((high - low) / texel[:, None], fits)
-
-    def from_near(
-        self, place: Floats, towards: Floats, cutoff: Floats, seen: Floats, casters: Casters, scale: float
-    ) -> tuple[Flags, NDArray[np.float32], NDArray[np.void]]:
-        """Return whether there are maps of a spot (N,), their frames (N, 16) and their cameras (N,) `CAMERA`."""
-        angle = cutoff * scale
-        fits = angle <= WIDEST
-        tangents = {value: math.tan(value) for value in set(angle.tolist())}
-        tangent = np.array([tangents[value] for value in angle.tolist()])
-        of_light = _axes(towards)
-        axes = np.stack([of_light[:, 0], -of_light[:, 1], -of_light[:, 2]], axis=1)
-        places = matmul(seen - place[:, None], axes.swapaxes(1, 2))
-        flat = places[..., :2] / places[..., 2:]
-        ahead = (places[..., 2] > 1e-3).all(axis=1)[:, None]
-        low, high = np.repeat(-tangent[:, None], 2, axis=1), np.repeat(tangent[:, None], 2, axis=1)
-        low = np.where(ahead, np.maximum(low, flat.min(axis=1)), low)
-        high = np.where(ahead, np.minimum(high, flat.max(axis=1)), high)
-        fits &= (high > low).all(axis=1)
-        focal = (self._texels - 2 * BORDER) / (high - low).max(axis=1)
-        middles, reach = matmul(casters.middle - place[:, None], axes.swapaxes(1, 2)), casters.reach
-        near, far = middles[..., 2:] - reach, middles[..., 2:] + reach
-        before = (far > 0.0)[..., 0]
-        chosen = casters.casting & before
-        left, right = middles[..., :2] - reach, middles[..., :2] + reach
-        # the nearer end of a sphere is farther from the axis
-        left, right = (side / np.where(sign * side > 0.0, near, far) for side, sign in ((left, -1.0), (right, 1.0)))
-        clear = (~chosen | (near[..., 0] > 1e-3)).all(axis=1) & casters.bounded
-        low = np.where(clear[:, None], np.maximum(low, _extreme(left, chosen, low=True)), low)
-        high = np.where(clear[:, None], np.minimum(high, _extreme(right, chosen, low=False)), high)
-        fits &= (high > low).all(axis=1)
-        focal = np.where(casters.bounded, 1 / self._texel(1 / focal, (high - low).max(axis=1), 2 * tangent), focal)
-        sizes = self._sizes((high - low) * focal[:, None], fits)
-        cx, cy = (BORDER - low * focal[:, None]).T
-        camera = np.zeros(len(place), CAMERA)
-        camera["fx"] = camera["fy"] = focal
-        camera["cx"], camera["cy"] = cx, cy
-        camera["width"], camera["height"] = sizes.T
-        camera["near"], camera["far"] = 0.01, 1e4
-        camera["axes"], camera["eye"], camera["exposure"] = axes.reshape(-1, 9), place, 1.0
-        lens = np.zeros((len(place), 3, 3))
-        lens[:, 0, 0], lens[:, 1, 1], lens[:, 2, 2] = focal, focal, 1.0
-        lens[:, 0, 2], lens[:, 1, 2] = cx, cy
-        matrix = matmul(lens, axes)
-        frame = np.zeros((len(place), 16))
-        frame[:, :12].reshape(-1, 3, 4)[..., :3] = matrix
-        frame[:, 3:12:4] = matmul(-matrix, place[..., None])[..., 0]
-        frame[:, 12], frame[:, 13], frame[:, 14] = 1 / focal, cx, cy
-        return fits, frame.astype(np.float32), camera
-
-
-def _axes(towards: Floats) -> Floats:
-    """(N, 3, 3) see `morse.eyes.light.axes_of`."""
-    known = {row.tobytes(): row for row in towards}
-    made = {key: axes_of(row) for key, row in known.items()}
-    return np.array([made[row.tobytes()] for row in towards])
-
-
 class ClassicLights(NamedTuple):
     """The lights of N scenes, see `Light`.
 
@@ -290,20 +151,3 @@ def classic_lights(lights: Lights, maps: dict[int, Maps], around: Surroundings, 
             column = rows[name][:, n]
             column[shadows[n]] = values[shadows[n]]
     return ClassicLights(rest, rows, keys, list(maps.values()))
-
-
-def are_below(
-    planes: Floats,
-    places: NDArray[np.float32],
-    which: Flags,
-    eyes: Floats,
-    light: Floats,
-    towards: Floats,
-    directional: bool,
-) -> Flags:
-    """(N,) whether a plane (N, 4) is below a light, the camera and some places: its shadow is not seen."""
-    normals, offsets = planes[:, :3], planes[:, 3]
-    above = (normals * eyes).sum(axis=1) > offsets
-    above &= (((places * normals[:, None]).sum(axis=2) >= offsets[:, None]) | ~which).all(axis=1)
-    lit = (towards * normals).sum(axis=1) > 0.0 if directional else (light * normals).sum(axis=1) > offsets
-    return np.asarray(above & lit)

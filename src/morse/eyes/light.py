@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.eyes.shadows import MapMaker
 from morse.kernel.drawing.arrays import (
-    CAMERA,
     CLASSIC,
     CLASSIC_LIGHT,
     HEMISPHERE,
@@ -23,23 +23,16 @@ from morse.kernel.drawing.arrays import (
     bounds_for,
 )
 from morse.kernel.memory import address
-from morse.mathutils.portable import matmul
-from morse.mathutils.rotations import cross
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.eyes.shadows import Casters
     from morse.kernel.drawing.arrays import Poses
     from morse.kernel.drawing.native import NativeDrawer
 
 #: kinds of lights in MuJoCo
 _SPOT, DIRECTIONAL, POINT_LIGHT, IMAGE = range(4)
-#: widest half angle of the shadow map of a light, rad
-WIDEST = 1.4
-#: how much finer maps around what casts shadows may be
-FINER = 2.0
-#: texels at the border of a map
-BORDER = 4
 
 
 class Lit(NamedTuple):
@@ -132,7 +125,7 @@ class ShadowMaps:
     """
 
     def __init__(self, texels: int, finest: int) -> None:
-        self._texels, self._finest = texels, finest
+        self._maker = MapMaker(texels, finest)
         self._maps: list[tuple[object, ShadowMap]] = []
 
     def map_of(
@@ -143,7 +136,7 @@ class ShadowMaps:
         parts: NDArray[np.int32],
         poses: Poses,
         seen: NDArray[np.float64],
-        casters: NDArray[np.float64] | None,
+        casters: Casters,
         scale: float,
     ) -> ShadowMap | None:
         """Return the map of a light; None if it casts no shadows that are seen.
@@ -151,21 +144,19 @@ class ShadowMaps:
         Args:
             number: of the map, which is kept.
             parts: (P, 4) the parts that cast shadows.
-            seen: (8, 3) corners around the visible surfaces, m.
-            casters: (C, 4) spheres around what casts shadows, centre and radius, m: the map ends around them; None if
-                they may be anywhere.
+            seen: (1, 8, 3) corners around the visible surfaces, m.
+            casters: of one scene: the map ends around them if they are bounded.
             scale: share of the cone of a light that has shadows; for directional lights, half the width of the map, m.
         """
-        around = b"" if casters is None else casters.tobytes()
-        key = light.place.tobytes(), light.towards.tobytes(), light.cutoff, seen.tobytes(), scale, around
+        around = [casters.middle[casters.casting], casters.reach[casters.casting], casters.bounded, seen]
+        key = light.place.tobytes(), light.towards.tobytes(), light.cutoff, scale, *(one.tobytes() for one in around)
         kept = self._maps[number] if number < len(self._maps) else None
         same = (key, parts.tobytes(), poses.models.tobytes())
         if kept is not None and kept[0] == same:
             return kept[1]
         before = drawer.drawing.parts
         drawer.arrange(parts)
-        draw = self._from_afar if light.directional else self._from_near
-        drawn = draw(light, drawer, poses, seen, casters, scale)
+        drawn = self._draw(light, drawer, poses, seen, casters, scale)
         drawer.arrange(before)
         if drawn is None:
             return None
@@ -176,114 +167,30 @@ class ShadowMaps:
         self._maps[number : number + 1] = [(same, made)]
         return made
 
-    def _texel(self, usual: float, side: float, whole: float) -> float:
-        """The size of a texel of a map that is a part of another one, which may be finer, but not than MuJoCo's."""
-        return max(usual / FINER, side / (self._texels - 2 * BORDER), whole / self._finest)
-
-    def _from_afar(
+    def _draw(
         self,
         light: Lit,
         drawer: NativeDrawer,
         poses: Poses,
         seen: NDArray[np.float64],
-        casters: NDArray[np.float64] | None,
+        casters: Casters,
         scale: float,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
-        axes = axes_of(light.towards)
-        # the part of the map of MuJoCo, around the light, that is seen
-        places = matmul(seen - light.place, axes[:2].T)
-        low, high = np.maximum(places.min(axis=0), -scale), np.minimum(places.max(axis=0), scale)
-        if not (high > low).all():
-            return None
-        texel = float((high - low).max()) / (self._texels - 2 * BORDER)
-        if casters is not None:
-            middles = matmul(casters[:, :3] - light.place, axes[:2].T)
-            low, high = _within(low, high, middles - casters[:, 3:], middles + casters[:, 3:])
-            if not (high > low).all():
+        place, towards = light.place[None], light.towards[None]
+        if light.directional:
+            has, frame, sizes = self._maker.from_afar(place, towards, seen, casters, scale)
+            if not has[0]:
                 return None
-            texel = self._texel(texel, float((high - low).max()), 2 * scale)
-        frame = np.zeros(16)
-        frame[:12] = np.column_stack([axes, np.zeros(3)]).ravel()
-        for row in range(2):
-            frame[4 * row + 3] = BORDER * texel - low[row] - float((axes[row] * light.place).sum())
-        frame[:8] /= texel
-        # what is behind the light casts no shadow
-        frame[12], frame[13], frame[14] = texel, 1.0, float((light.towards * light.place).sum())
-        width, height = (min(int(side / texel) + 2 * BORDER + 1, self._texels) for side in high - low)
-        shadow = np.full((height, width), NO_SURFACE, np.float32)
-        own = NO_LIGHT._replace(sun=frame.astype(np.float32), shadow=shadow)
-        drawer.cast_shadows(np.arange(len(drawer.drawing.parts)), poses, own)
-        return own.sun, shadow
-
-    def _from_near(
-        self,
-        light: Lit,
-        drawer: NativeDrawer,
-        poses: Poses,
-        seen: NDArray[np.float64],
-        casters: NDArray[np.float64] | None,
-        scale: float,
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
-        angle = light.cutoff * scale
-        if angle > WIDEST:
+            shadow = np.full(sizes[0, ::-1], NO_SURFACE, np.float32)
+            own = NO_LIGHT._replace(sun=frame[0], shadow=shadow)
+            drawer.cast_shadows(np.arange(len(drawer.drawing.parts)), poses, own)
+            return frame[0], shadow
+        has, frame, camera = self._maker.from_near(place, towards, np.array([light.cutoff]), seen, casters, scale)
+        if not has[0]:
             return None
-        right, up, back = axes_of(light.towards)
-        axes = np.stack([right, -up, -back])
-        places = matmul(seen - light.place, axes.T)
-        # the part of the map of MuJoCo that is seen
-        low, high = np.full(2, -math.tan(angle)), np.full(2, math.tan(angle))
-        if (places[:, 2] > 1e-3).all():
-            flat = places[:, :2] / places[:, 2:]
-            low, high = np.maximum(low, flat.min(axis=0)), np.minimum(high, flat.max(axis=0))
-        if not (high > low).all():
-            return None
-        focal = (self._texels - 2 * BORDER) / float((high - low).max())
-        if casters is not None:
-            middles, reach = matmul(casters[:, :3] - light.place, axes.T), casters[:, 3:]
-            near, far = middles[:, 2:] - reach, middles[:, 2:] + reach
-            ahead = (far > 0.0)[:, 0]
-            if (near[ahead] > 1e-3).all():
-                left, right = middles[ahead, :2] - reach[ahead], middles[ahead, :2] + reach[ahead]
-                # the nearer end of a sphere is farther from the axis
-                left, right = (
-                    side / np.where(sign * side > 0.0, near[ahead], far[ahead])
-                    for side, sign in ((left, -1.0), (right, 1.0))
-                )
-                low, high = _within(low, high, left, right)
-            if not (high > low).all():
-                return None
-            focal = 1 / self._texel(1 / focal, float((high - low).max()), 2 * math.tan(angle))
-        width, height = (min(int(side * focal) + 2 * BORDER + 1, self._texels) for side in high - low)
-        cx, cy = BORDER - low * focal
-        camera = np.zeros(1, CAMERA)
-        camera["fx"] = camera["fy"] = focal
-        camera["cx"], camera["cy"] = cx, cy
-        camera["width"], camera["height"] = width, height
-        camera["near"], camera["far"] = 0.01, 1e4
-        camera["axes"], camera["eye"], camera["exposure"] = axes.ravel(), light.place, 1.0
         depth = drawer.draw(camera, poses, NO_LIGHT, 1).depth
-        shadow = np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).reshape(height, width)
-        matrix = matmul(np.array([[focal, 0, cx], [0, focal, cy], [0, 0, 1.0]]), axes)
-        frame = np.zeros(16)
-        frame[:12] = np.column_stack([matrix, matmul(-matrix, light.place)]).ravel()
-        frame[12], frame[13], frame[14] = 1 / focal, cx, cy
-        return frame.astype(np.float32), shadow
-
-
-def _within(
-    low: NDArray[np.float64], high: NDArray[np.float64], lows: NDArray[np.float64], highs: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The part of a map that is around some rectangles (C, 2)."""
-    return (np.maximum(low, lows.min(axis=0)), np.minimum(high, highs.max(axis=0))) if len(lows) else (high, low)
-
-
-def axes_of(towards: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3, 3) rows: two directions perpendicular to the light, and that towards it."""
-    back = towards.tolist()
-    right = cross(back, (0.0, 1.0, 0.0) if abs(back[1]) < 0.9 else (1.0, 0.0, 0.0))
-    length = math.sqrt(sum(part * part for part in right))
-    right = right[0] / length, right[1] / length, right[2] / length
-    return np.array([right, cross(back, right), back])
+        shape = int(camera["height"][0]), int(camera["width"][0])
+        return frame[0], np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).reshape(shape)
 
 
 #: no lamps of scenes

@@ -8,27 +8,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from morse.eyes.geoms import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    ELLIPSOID,
-    FLEX,
-    HFIELD,
-    LINE,
-    LINEBOX,
-    LINES,
-    MESH,
     PLANE,
-    SKIN,
-    SPHERE,
     Instances,
     Look,
     instances_of,
     looks_of,
     textures_of_materials,
-    widths_of,
 )
+from morse.eyes.layers import layers_of, reach_of
 from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_scenes
+from morse.eyes.shadows import casters_of, planes_of
 from morse.eyes.store import SKY, store_of
 from morse.kernel.drawing.arrays import CAMERA
 from morse.kernel.drawing.composing import Composition, depths_of, objects_of
@@ -216,7 +205,7 @@ class Artist:
 
     def colors(self, scene: Any, geoms: Geoms, view: View) -> NDArray[np.uint8]:
         """The colours (H, W, 3) of a scene; geoms that are not finite are not drawn."""
-        with np.errstate(invalid="ignore", over="ignore"):
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             return self._colors(scene, geoms.now(), view)
 
     def _colors(self, scene: Any, g: NDArray[np.void], view: View) -> NDArray[np.uint8]:
@@ -351,22 +340,13 @@ class Artist:
         if not scene.flags[SHADOW] or not casting.any() or not any(light.casts for light in lights):
             return maps
         parts, owner = instances.parts, instances.geoms[instances.owner]
-        seen = seen_of(g[None, ~planes], (view,))[0]
-        finite = np.isfinite(g["pos"]).all(axis=1)
-        # the vertices of skins and flexes are elsewhere
-        bounded = not len(instances.free)
+        seen, makes = seen_of(g[None, ~planes], (view,)), casters_of(g[None], instances, (view,))
         for number, n in enumerate(n for n, light in enumerate(lights) if light.casts):
             light = lights[n]
-            cast = casting.copy()
-            for plane in np.flatnonzero(cast & planes):
-                cast[plane] = not _is_below(_plane_of(g[plane]), g["pos"][~planes & finite], light, view)
-            cast &= finite
-            casters = None
-            if bounded and not cast[instances.infinite].any():
-                reach = reach_of(g[cast]) * np.where((g["type"][cast] == MESH) | (g["type"][cast] == HFIELD), 2.0, 1.0)
-                casters = np.column_stack([g["pos"][cast].astype(np.float64), reach])
+            casters = makes(light.place[None], light.towards[None], light.directional)
             scale = self.scale_of_maps(directional=light.directional)
-            maps[n] = self._maps.map_of(number, light, draw, parts[cast[owner]], poses, seen, casters, scale)
+            chosen = parts[casters.casting[0][owner]]
+            maps[n] = self._maps.map_of(number, light, draw, chosen, poses, seen, casters, scale)
         return maps
 
     def scale_of_maps(self, *, directional: bool) -> float:
@@ -487,30 +467,6 @@ def seen_of(g: NDArray[np.void], views: Sequence[View]) -> NDArray[np.float64]:
     return np.asarray(eyes[:, None] + np.concatenate(ends, axis=1), np.float64)
 
 
-def _is_below(plane: NDArray[np.float64], places: NDArray[np.float32], light: Lit, view: View) -> bool:
-    """Whether a plane is below a light, the camera and some places: its shadow is not seen."""
-    normal, offset = plane[:3], plane[3]
-    if not (normal * view.eye).sum() > offset or not ((places * normal).sum(axis=1) >= offset).all():
-        return False
-    if light.directional:
-        return bool((light.towards * normal).sum() > 0.0)
-    return bool((light.place * normal).sum() > offset)
-
-
-def reach_of(g: NDArray[np.void]) -> NDArray[np.float32]:
-    """(...) radii of spheres around the positions of geoms, m."""
-    size = np.abs(g["size"])
-    own = np.sqrt((size**2).sum(axis=-1)) + size.max(axis=-1)
-    known = g["modelrbound"] if "modelrbound" in (g.dtype.names or ()) else np.zeros(g.shape)
-    return np.asarray(np.where(known > 0, known, own), np.float32)
-
-
-def planes_of(g: NDArray[np.void]) -> NDArray[np.float64]:
-    """(N, 4) the normals and the offsets of planes."""
-    normals = g["mat"].reshape(-1, 3, 3)[:, :, 2].astype(np.float64)
-    return np.asarray(np.column_stack([normals, (normals * g["pos"]).sum(axis=1)]), np.float64)
-
-
 def _plane_of(geom: np.void) -> NDArray[np.float64]:
     """(4,) the normal and the offset of a plane."""
     return np.asarray(planes_of(np.array([geom]))[0], np.float64)
@@ -519,108 +475,3 @@ def _plane_of(geom: np.void) -> NDArray[np.float64]:
 def mirrored_box(box: Box, view: View) -> Box:
     """The pixels of a part in a picture whose columns are from right to left."""
     return view.width - box[2], box[1], view.width - box[0], box[3]
-
-
-#: geoms that are within a box of their sizes; with the caps of a capsule
-_SOLIDS = (SPHERE, ELLIPSOID, CAPSULE, CYLINDER, BOX, LINEBOX)
-_CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-_EDGES = np.array([[n, n | bit] for bit in (1, 2, 4) for n in range(8) if not n & bit])
-_ONE_EDGE = np.array([[0, 1]])
-#: number of layers of translucent geoms, beyond which those of equal opacity do not show each other
-_MOST_LAYERS = 12
-#: the same of lines, which fill few pixels: the rays of range finders overlap where they begin
-_MOST_LINES = 32
-
-
-def layers_of(
-    g: NDArray[np.void], numbers: NDArray[np.intp], opacity: NDArray[np.float32], view: View, linewidth: float
-) -> list[tuple[list[int], tuple[int, int, int, int]]]:
-    """Geoms that are drawn together, the farthest first, and the pixels around them."""
-    numbers = numbers[np.isfinite(g["pos"][numbers]).all(axis=1)]
-    far = dict(zip(numbers.tolist(), ((g["pos"][numbers] - view.eye) * view.axes[2]).sum(axis=1), strict=True))
-    lines = np.isin(g["type"], LINES)
-    many = {True: int(lines[numbers].sum()) > _MOST_LINES, False: int((~lines[numbers]).sum()) > _MOST_LAYERS}
-    layers: list[tuple[list[int], list[tuple[int, int, int, int]]]] = []
-    for number in sorted(numbers.tolist(), key=lambda n: -far[n]):
-        box = _box_of(g[number], view, linewidth)
-        if box is None:
-            continue
-        last = layers[-1] if layers else None
-        if last is not None and opacity[last[0][0]] == opacity[number]:
-            apart = all(box[0] >= one[2] or one[0] >= box[2] or box[1] >= one[3] or one[1] >= box[3] for one in last[1])
-            if apart or many[bool(lines[number])]:
-                last[0].append(number)
-                last[1].append(box)
-                continue
-        layers.append(([number], [box]))
-    return [
-        (members, tuple(int(f(box[i] for box in boxes)) for i, f in enumerate((min, min, max, max))))  # type: ignore[misc]
-        for members, boxes in layers
-    ]
-
-
-def _box_of(geom: np.void, view: View, linewidth: float) -> tuple[int, int, int, int] | None:
-    """The pixels that a geom may fill: first column and row, and those after the last ones; None for none."""
-    if geom["type"] == PLANE:
-        return 0, 0, view.width, view.height
-    if geom["type"] in (SKIN, FLEX):
-        return 0, 0, view.width, view.height
-    width = float(widths_of(geom, linewidth)) if geom["type"] in LINES else 0.0
-    if geom["type"] == LINE:
-        ends = np.array([geom["pos"], geom["pos"] + geom["mat"].reshape(3, 3)[:, 2] * geom["size"][2]], np.float64)
-        return _around(_before(view.near, ((ends[:, None] - view.eye) * view.axes).sum(axis=2), _ONE_EDGE), view, width)
-    if geom["type"] in _SOLIDS:
-        half = np.abs(geom["size"].astype(np.float64))
-        half[2] += half[0] if geom["type"] == CAPSULE else 0.0
-        corners = (geom["pos"] - view.eye) + (geom["mat"].reshape(1, 3, 3) * (_CORNERS * half)[:, None]).sum(axis=2)
-        return _around(_before(view.near, (corners[:, None] * view.axes).sum(axis=2), _EDGES), view, width)
-    reach = float(reach_of(np.array([geom]))[0]) * (2.0 if geom["type"] in (MESH, HFIELD) else 1.0)
-    x, y, depth = ((geom["pos"] - view.eye) * view.axes).sum(axis=1)
-    if not math.isfinite(depth + reach):
-        return None
-    near = depth - reach
-    if depth + reach < view.near:
-        return None
-    if near < view.near:
-        return 0, 0, view.width, view.height
-    bounds: list[tuple[float, float]] = []
-    for at, focal, middle in ((x, view.fx, view.cx), (y, view.fy, view.cy)):
-        # the nearer end of the sphere is farther from the middle of the picture
-        scales = (1.0, 1.0) if view.parallel else (near, depth + reach)
-        low, high = (
-            focal * (at + side * reach) / scales[0 if (at + side * reach) * side > 0 else 1] for side in (-1, 1)
-        )
-        bounds.append((low + middle, high + middle))
-    return _pixels(bounds[0], bounds[1], view)
-
-
-def _around(points: NDArray[np.float64], view: View, width: float = 0.0) -> tuple[int, int, int, int] | None:
-    """The pixels around points in the axes of a camera (N, 3), and half a width, pixels; None for none."""
-    if not len(points) or not np.isfinite(points).all():
-        return None
-    x, y, depths = points.T
-    if view.parallel:
-        depths = np.ones_like(depths)
-    columns, rows, half = view.fx * x / depths + view.cx, view.fy * y / depths + view.cy, abs(width) / 2
-    return _pixels((columns.min() - half, columns.max() + half), (rows.min() - half, rows.max() + half), view)
-
-
-def _before(near: float, corners: NDArray[np.float64], edges: NDArray[np.intp]) -> NDArray[np.float64]:
-    """The corners of the part of a body with edges (E, 2) that is before the near plane."""
-    one, other = corners[edges[:, 0]], corners[edges[:, 1]]
-    cut = (one[:, 2] < near) != (other[:, 2] < near)
-    one, other = one[cut], other[cut]
-    share = (near - one[:, 2:]) / (other[:, 2:] - one[:, 2:])
-    points = one + share * (other - one)
-    # rounding of a huge box would put them elsewhere
-    points[:, 2] = near
-    return np.concatenate([corners[corners[:, 2] >= near], points])
-
-
-def _pixels(columns: tuple[float, float], rows: tuple[float, float], view: View) -> tuple[int, int, int, int] | None:
-    """The pixels between columns and rows, with those beside them; None for none."""
-    (x0, x1), (y0, y1) = (
-        (max(math.floor(low) - 1, 0), min(math.ceil(high) + 1, size))
-        for (low, high), size in ((columns, view.width), (rows, view.height))
-    )
-    return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None

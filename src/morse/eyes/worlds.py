@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.eyes.batch_lights import Casters, MapMaker, Maps, are_below, classic_lights, lights_of_scenes
-from morse.eyes.geoms import HFIELD, MESH, PLANE
+from morse.eyes.batch_lights import Maps, classic_lights, lights_of_scenes
+from morse.eyes.geoms import PLANE
+from morse.eyes.layers import layers_of
 from morse.eyes.light import NO_LIGHT, new_version
 from morse.eyes.picture import (
     BEYOND,
@@ -23,14 +24,12 @@ from morse.eyes.picture import (
     Artist,
     drawer_of,
     from_behind,
-    layers_of,
     mirrored_box,
     opacity_of,
-    planes_of,
-    reach_of,
     seen_of,
     turned_away,
 )
+from morse.eyes.shadows import MapMaker, casters_of, planes_of
 from morse.kernel.drawing.arrays import bounds_shape, bytes_of_cameras
 from morse.kernel.drawing.composing import Composition, depths_of, objects_of
 from morse.kernel.drawing.worlds import MAP_FROM_AFAR, MAP_FROM_NEAR, Chain, Worlds
@@ -43,6 +42,7 @@ if TYPE_CHECKING:
 
     from morse.eyes.batch_lights import ClassicLights, Lights
     from morse.eyes.picture import View
+    from morse.eyes.shadows import Casters
     from morse.kernel.drawing.arrays import Pictures, Poses
     from morse.kernel.drawing.composing import Box
     from morse.kernel.drawing.worlds import Memory
@@ -298,20 +298,11 @@ class BatchArtist:
         if not scenes.flags[SHADOW] or not casting.any() or not lights.casts.any():
             return {}
         views = scenes.views
-        seen = seen_of(g[:, ~planes], views)
-        finite = np.isfinite(g["pos"]).all(axis=2)
-        reach: Floats = np.asarray(reach_of(g) * np.where(np.isin(g["type"], (MESH, HFIELD)), 2.0, 1.0), np.float64)
-        middle = g["pos"].astype(np.float64)
-        eyes = np.array([view.eye for view in views])
-        flat = {int(plane): planes_of(g[:, plane]) for plane in np.flatnonzero(casting & planes)}
+        seen, makes = seen_of(g[:, ~planes], views), casters_of(g, instances, views)
         maps = {}
         for n in np.flatnonzero(lights.casts):
             place, towards, directional = lights.place[:, n], lights.towards[:, n], bool(lights.directional[n])
-            cast = np.repeat(casting[None], len(g), axis=0)
-            for plane, own in flat.items():
-                cast[:, plane] = ~are_below(own, g["pos"], ~planes & finite, eyes, place, towards, directional)
-            cast &= finite
-            casters = Casters(middle, reach[..., None], cast, np.asarray(~cast[:, instances.infinite].any(axis=1)))
+            casters = makes(place, towards, directional)
             scale = artist.scale_of_maps(directional=directional)
             cutoff = None if directional else lights.cutoff[:, n]
             maps[int(n)] = self._map(place, towards, cutoff, seen, casters, scale, poses)
