@@ -156,3 +156,23 @@ def test_cameras_are_compared_by_their_numbers():
     assert (bytes_of_cameras(rows)[0] == bytes_of_cameras(rows)[1]).all()
     rows["eye"][1, 2] = 1.0
     assert not (bytes_of_cameras(rows)[0] == bytes_of_cameras(rows)[1]).all()
+
+
+def test_a_batch_that_is_closed_while_a_thread_waits_for_it_says_so(monkeypatch):
+    model = mujoco.MjModel.from_xml_string(XML.format(size="0 0 .1"))
+    batch, states = morse.Renderer.batch(model, 2, *SIZE), states_of(model, 2, 8)
+    free = batch._lock
+
+    class Waits:
+        """The lock, which another thread has while it closes the batch."""
+
+        def __enter__(self):
+            batch._lock = free
+            batch.close()
+
+        def __exit__(self, *_):
+            pass
+
+    monkeypatch.setattr(batch, "_lock", Waits())
+    with pytest.raises(RuntimeError, match="after close"):
+        batch.render(states, "front")

@@ -78,8 +78,6 @@ class BatchRenderer:
             TypeError: a camera is neither a number, nor a name, nor a `mujoco.MjvCamera`.
             ValueError: the number of states, their shape, a camera or the kind is wrong.
         """
-        if not self._renderers:
-            raise RuntimeError("render cannot be called after close.")
         if kind not in KINDS:
             raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(KINDS)}.")
         if len(states) != self._count:
@@ -89,10 +87,13 @@ class BatchRenderer:
         several = isinstance(cameras, (Sequence, np.ndarray)) and not isinstance(cameras, str)
         wanted: list[Any] = list(cameras) if several else [cameras]  # type: ignore[arg-type]
         views = [one if isinstance(one, mujoco.MjvCamera) else camera_of(self._model, one) for one in wanted]
-        first = self._renderers[0]
         shape, form = KINDS[kind]
-        pictures: NDArray[Any] = np.empty((self._count, len(views), first.height, first.width, *shape), form)
         with self._lock:
+            # another thread may have closed it meanwhile
+            if not self._renderers:
+                raise RuntimeError("render cannot be called after close.")
+            first = self._renderers[0]
+            pictures: NDArray[Any] = np.empty((self._count, len(views), first.height, first.width, *shape), form)
             at_once = max(_MOST_MEMORY // (first.memory() * max(len(views), 1)), self._thread_count)
             for begin in range(0, self._count, at_once):
                 end = min(begin + at_once, self._count)
