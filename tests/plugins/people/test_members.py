@@ -231,3 +231,45 @@ def test_a_leader_that_jumps_about_costs_one_search_for_a_way_in_half_a_second(l
         sim.step(60 * 9)
         apart = sim.people.data["positions"][:2, :2] - body(sim)[0][:2]
         assert np.hypot(*apart.T).min() < 2.0
+
+
+@pytest.mark.parametrize("place", [(60.0, 0.0, 0.0), (1e7, -1e7, 0.0)], ids=["beside the ground", "far away"])
+def test_a_member_that_is_carried_out_of_the_ground_leaves_the_crowd_which_goes_on(load, place):
+    """It stays where it was put, the others walk on, also those who follow it, and their state can be restored."""
+    with load() as sim:
+        sim.step(5)
+        sim.people.follow("human", 1).result()
+        sim.context.robots["human"].bge_object.worldPosition = place
+        before = sim.people.data["positions"][1].copy()
+        sim.step(60)
+        assert sim.people.component.active
+        assert sim.people.ask(2).result()["state"] == "driven"
+        assert body(sim)[0][:2] == pytest.approx(place[:2])
+        assert np.hypot(*(sim.people.data["positions"][1] - before)[:2]) > 0.5
+        sim.restore(sim.save())
+        with pytest.raises(Exception, match="where nobody can go"):
+            sim.people.join("human").result()
+        sim.context.robots["human"].bge_object.worldPosition = (0.0, 0.0, 0.0)
+        sim.step()
+        assert sim.people.join("human").result() == 2
+
+
+def test_a_member_that_is_put_into_a_wall_is_not_thrown_out_of_it(load):
+    """The model of walking keeps people out of walls at once; a body that did so in a tick would move at 20 m/s."""
+    wall = "wall = Cube('wall')\nwall.scale = (1.0, 3.0, 1.0)\nwall.translate(4.0, 6.0, 1.0)\nwall.static()"
+    with load(more=wall) as sim:
+        sim.step(5)
+        human, speeds = sim.context.robots["human"], []
+        human.guide = lambda linear, _: speeds.append(math.hypot(*linear))
+        human.bge_object.worldPosition = (3.2, 6.0, 0.0)
+        sim.step(5)
+        assert 0.1 < max(speeds) <= 5.0 + 1e-9
+
+
+@pytest.mark.parametrize("place", [(9e5, 0.0), (-9e5, 0.0), (0.0, 9e5)])
+def test_states_with_people_outside_of_the_ground_are_refused(load, place):
+    with load() as sim:
+        state = sim.people.component.get_state()
+        state["people"]["position"][0] = place
+        with pytest.raises(StateError, match="nobody can be"):
+            sim.people.component.set_state(state)

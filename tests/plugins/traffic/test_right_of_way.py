@@ -5,6 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from morse.builder import Traffic
+from morse.plugins.traffic.crossings import lines
+from morse.plugins.traffic.roads import Road
 from tests.kit.scenes import Load
 
 ARMS = """
@@ -182,3 +185,40 @@ def test_a_restored_state_passes_the_crossing_in_the_same_order(load: Load):
     simulation.restore(state)
     simulation.step(20 * 20)
     assert (simulation.cars.data["places"] == places).all()
+
+
+def test_each_crossing_of_a_town_has_a_line_in_each_road_that_waits_for_the_other_one():
+    """20 streets at right angles cross 100 times: each line has its one rival, of which one goes first."""
+    far = np.arange(1, 11) * 60.0
+    streets = [Road(np.array([(0.0, y), (660.0, y)]), 1, 3.5, closed=False) for y in far]
+    avenues = [Road(np.array([(x, 0.0), (x, 660.0)]), 1, 3.5, closed=False) for x in far]
+    found = lines([*streets, *avenues], [(list(range(20)), [])])
+    assert len(found) == 200
+    for number, line in enumerate(found):
+        ((rival, goes_first),) = line.rivals
+        assert found[rival].rivals == ((number, not goes_first),)
+        # who drives along +X sees +Y come from the right
+        assert goes_first == (line.road < 10)
+
+
+def test_of_two_lines_that_meet_one_goes_first_whatever_the_shape_of_the_roads():
+    """A rival that does not know of the other one would not wait for it."""
+    random, pairs = np.random.default_rng(2), 0
+    for _ in range(40):
+        count = int(random.integers(2, 5))
+        shapes = [random.uniform(-60, 60, (int(random.integers(2, 6)), 2)) for _ in range(count)]
+        found = lines([Road(one, 1, 3.5, closed=False) for one in shapes], [(list(range(count)), [])])
+        goes_first = {(number, rival): first for number, one in enumerate(found) for rival, first in one.rivals}
+        assert all(goes_first.get((rival, number)) is not first for (number, rival), first in goes_first.items())
+        assert all((rival, number) in goes_first for number, rival in goes_first)
+        pairs += len(goes_first)
+    assert pairs > 100
+
+
+def test_lines_beside_their_road_are_refused():
+    cars = Traffic("cars")
+    cars.road("street", [(0, 0), (100, 0)], 0)
+    cars.zebra("street", 100.0)
+    for call in (lambda: cars.zebra("street", 100.1), lambda: cars.stop("street", 1e4, "light")):
+        with pytest.raises(ValueError, match="'street' is 100 m long"):
+            call()

@@ -23,6 +23,8 @@ NEAR, _BESIDE = 1.5, 0.5
 SEEKS = 30
 #: m: a leader that moves farther in a tick was put elsewhere
 _JUMP = 2.0
+#: m: bodies are nowhere farther from the origin, on whichever part of the plane
+_FAR = 1e8
 
 #: places (x, y) on the plane of the crowd where a leader has been, m, the latest one last, by its name
 Trails = dict[str, list[tuple[float, float]]]
@@ -38,7 +40,7 @@ def can_be(trails: object) -> bool:
         and all(
             isinstance(point, tuple | list)
             and len(point) == 2
-            and all(isinstance(value, float) and abs(value) < 1e6 for value in point)
+            and all(isinstance(value, float) and abs(value) < _FAR for value in point)
             for path in trails.values()
             for point in path
         )

@@ -27,8 +27,11 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.world import Body
     from morse.plugins.people.agenda import Agenda
+    from morse.plugins.people.floors import Floors
     from morse.plugins.people.gait import Gait
+    from morse.plugins.people.riding import Riding
     from morse.plugins.people.walking import Walkers
+    from morse.plugins.people.wayfinding import Ground
     from morse.scene import Node
 
     Floats = NDArray[np.float64]
@@ -132,14 +135,19 @@ class Members:
         robot = self._context.robots.get(name)
         return cast("Guided", robot) if robot is not None and robot.active and name in self.rows else None
 
-    def observe(self, walkers: Walkers, agenda: Agenda, area: NDArray[np.intp], shift: Floats, seconds: float) -> None:
+    def observe(
+        self, walkers: Walkers, agenda: Agenda, riding: Riding, floors: Floors, ground: Ground, seconds: float
+    ) -> None:
         """Let members be where the physics has moved their bodies.
+
+        Those that somebody has put elsewhere stand there; those that are outside of the ground leave the crowd.
 
         Args:
             walkers: people; places and velocities of members are set.
             agenda: what people do; members without a robot are gone.
-            area: (N,) on which part of the plane people are.
-            shift: (A, 2) m, from the world to the parts of the plane.
+            riding: on which part of the plane people are.
+            floors: of the crowd.
+            ground: of the crowd.
             seconds: since the last tick.
         """
         for name, row in self.rows.items():
@@ -149,11 +157,27 @@ class Members:
             if robot is None:
                 agenda.mode[row], walkers.present[row] = DRIVEN, False
                 continue
-            x, y, _ = robot.bge_object.world_pose()[0]
-            here = np.array([x, y]) + shift[area[row]]
-            velocity = walkers.velocity[row] + (here - walkers.position[row]) / seconds
-            walkers.velocity[row] = velocity if length(velocity[None])[0] < _FASTEST else 0.0
-            walkers.position[row] = here
+            x, y, z = robot.bge_object.world_pose()[0]
+            if not ground.reaches(np.array([x, y])):
+                riding.forget(row)
+                self.leave(name, walkers, agenda)
+                self._context.complaints.warn(
+                    f"{name} is outside", f"{name} leaves the crowd: it is at ({x:g}, {y:g}), outside of the ground"
+                )
+                continue
+            velocity = (
+                walkers.velocity[row] + (self._on_plane(x, y, row, riding, floors) - walkers.position[row]) / seconds
+            )
+            if length(velocity[None])[0] >= _FASTEST:
+                velocity[:] = 0.0
+                riding.forget(row)
+                riding.area[row] = floors.floor_of(z)
+            walkers.velocity[row] = velocity
+            walkers.position[row] = self._on_plane(x, y, row, riding, floors)
+
+    @staticmethod
+    def _on_plane(x: float, y: float, row: int, riding: Riding, floors: Floors) -> Floats:
+        return np.array([x, y]) + floors.shift[riding.area[row]]
 
     def guide(self, walkers: Walkers, before: Floats, gait: Gait, seconds: float) -> None:
         """Let the robots go where the model of walking has moved the members.
@@ -169,7 +193,9 @@ class Members:
             if robot is None or not walkers.present[row]:
                 continue
             turn = robot.bge_object.world_pose()[1]
-            x, y = ((walkers.position[row] - before[row]) / seconds).tolist()
+            way = (walkers.position[row] - before[row]) / seconds
+            # whoever stands in a wall is moved out of it at once, a body is not
+            x, y = (way * (_FASTEST / max(float(length(way[None])[0]), _FASTEST))).tolist()
             u, v = gait.heading[row].tolist()
             ahead, aside = turn[0] * u + turn[3] * v, turn[1] * u + turn[4] * v
             angle = float(portable.arctan2(np.array([aside]), np.array([ahead]))[0])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.state import StateError
-from morse.plugins.people.agenda import WORDS
+from morse.plugins.people.agenda import RECORDED, WORDS
 
 if TYPE_CHECKING:
     from morse.plugins.people.agenda import Agenda
@@ -84,7 +84,12 @@ class States:
         flow, stage, group, lag = people["flow"], people["stage"], people["group"], people["lag"]
         stages = np.array([max(len(one["ways"]), 1) for one in self._plan.flows] + [1])
         heading = people["heading"]
-        near = all(np.abs(people[name]).max(initial=0.0) < 1e6 for name in _PLACES)
+        if not all(np.abs(people[name]).max(initial=0.0) < 1e6 for name in _PLACES):
+            return False
+        walks = people["present"] & (people["mode"] != RECORDED)
+        ground = self._plan.ground
+        places = (people["position"][walks] - ground.origin) / ground.cell
+        on_ground = ((places >= 0.0) & (places <= (ground.shape[1], ground.shape[0]))).all()
         bounds = {
             "mode": (0, len(WORDS) - 1),
             "stride": (0.05, 5.0),
@@ -94,13 +99,14 @@ class States:
         }
         within = all(((low <= people[name]) & (people[name] <= high)).all() for name, (low, high) in bounds.items())
         return bool(
-            near
+            on_ground
             and within
             and ((flow >= -1) & (flow < len(self._plan.flows))).all()
             and ((stage >= 0) & (stage < stages[flow])).all()
             and ((group >= -1) & (group < len(group))).all()
             and (np.abs(people["rank"]) < 1e9).all()
             and self._riding.can_be(people)
+            and (np.abs(heading) < 1.1).all()
             and (np.abs((heading * heading).sum(axis=1) - 1.0) < 1e-6).all()
             and (np.abs(people["velocity"]) < 1e3).all()
             and ((people["phase"] >= 0.0) & (people["phase"] < 1e9)).all()

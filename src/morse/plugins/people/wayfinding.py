@@ -238,6 +238,11 @@ class Ground:
         cells = np.flatnonzero(self.cells_beside(point, 0.5))
         return int(cells[0]) if len(cells) else -1
 
+    def reaches(self, point: Floats) -> bool:
+        """Return whether a point (2,) of the world, m, is within the first part of the ground."""
+        place = (point - self.origin) / self.cell
+        return bool(((place >= 0.0) & (place <= (self.shape[1] // self.parts - 1, self.shape[0] - 1))).all())
+
     def _enter(self, polygon: Floats) -> None:
         rows, columns = self._window(polygon.min(axis=0) - FAR, polygon.max(axis=0) + FAR)
         if rows.stop <= rows.start or columns.stop <= columns.start:

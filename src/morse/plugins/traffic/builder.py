@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from morse.builder.components.component import Component
     from morse.scene import ComponentDeclaration
 
-_MOST_CARS, _MOST_ROADS, _MOST_POINTS = 2000, 100, 1000
+_MOST_CARS, _MOST_ROADS, _MOST_POINTS, _MOST_ZEBRAS = 2000, 100, 1000, 200
 _CAR, _TRUCK, _GAP = 4.6, 12.0, 2.0
 #: rad, of a part of an arc
 _ARC = 0.08
@@ -73,6 +73,7 @@ class Traffic(Robot):
         self._rules: list[tuple[list[str], list[str]]] = []
         self._zebras: list[tuple[str, float, float]] = []
         self._lengths: list[float] = []
+        self._ends: dict[str, float] = {}
 
     def road(
         self,
@@ -139,6 +140,7 @@ class Traffic(Robot):
                 "fewer cars, or let them enter with over="
             )
         self._lengths += own
+        self._ends[name] = length
         self._roads[name] = {
             "points": places, "count": number, "lanes": tracks, "width": wide, "speed": limit, "closed": is_closed,
             "over": seconds,
@@ -160,7 +162,7 @@ class Traffic(Robot):
         self._known(road, what)
         if not isinstance(light, str) and not hasattr(light, "scene_node"):
             raise TypeError(f"{what}(light) takes a traffic light or its name, got {checks.shown(light)}")
-        where = checks.number(place, f"{what}(place)", minimum=0.0, maximum=1e5)
+        where = self._place(road, place, what)
         self._stops.append((road, where, light))
 
     def right_of_way(self, *roads: str, first: Iterable[str] = ()) -> None:
@@ -200,11 +202,24 @@ class Traffic(Robot):
             width: along the road, m.
 
         Raises:
-            ValueError: there is no such road, or a number is out of its range.
+            ValueError: there is no such road, the place is not on it, or a number is out of its range.
         """
         name = self._known(road, "Traffic.zebra")
-        where = checks.number(place, "Traffic.zebra(place)", minimum=0.0, maximum=1e5)
+        where = self._place(name, place, "Traffic.zebra")
+        if len(self._zebras) >= _MOST_ZEBRAS:
+            raise ValueError(f"Traffic.zebra: at most {_MOST_ZEBRAS} zebra crossings")
         self._zebras.append((name, where, checks.number(width, "Traffic.zebra(width)", minimum=0.5, maximum=50.0)))
+
+    def _place(self, road: str, place: float, what: str) -> float:
+        """Return a place on a road, m.
+
+        Raises:
+            ValueError: it is not on the road.
+        """
+        where = checks.number(place, f"{what}(place)", minimum=0.0)
+        if where > self._ends[road]:
+            raise ValueError(f"{what}(place): '{road}' is {self._ends[road]:g} m long, got {where:g}")
+        return where
 
     def _known(self, road: str, what: str) -> str:
         """Return the name of a road.
@@ -237,7 +252,7 @@ class Traffic(Robot):
 def _names(names: Iterable[str], what: str) -> list[str]:
     if isinstance(names, str) or not hasattr(names, "__iter__"):
         raise TypeError(f"{what}(first) takes a list of names, got {checks.shown(names)}")
-    return list(names)
+    return list(islice(names, _MOST_ROADS + 1))
 
 
 def _points(points: Iterable[Sequence[float]], what: str) -> list[list[float]]:

@@ -76,50 +76,93 @@ def lines(roads: Sequence[Road], rules: Iterable[tuple[list[int], list[int]]]) -
     found: list[Line] = []
     for members, first in rules:
         begin = len(found)
-        spans = [(road, *span) for road in members for span in _spans(roads, road, members)]
+        meetings = _meetings(roads, members)
+        spans = [(road, *span) for road in members for span in _spans(meetings, road)]
+        # a span meets few others: it is compared with those of the roads that cross it there
+        of_road: dict[int, list[int]] = {road: [] for road in members}
+        for number, (road, _, _) in enumerate(spans):
+            of_road[road].append(number)
         for road, low, high in spans:
             rivals = []
-            for number, (other, from_, to) in enumerate(spans):
-                met = _meet(roads[road], roads[other], (low, high), (from_, to)) if other != road else 0.0
-                if met:
-                    goes_first = (other in first) if (other in first) != (road in first) else met > 0.0
-                    rivals.append((begin + number, goes_first))
-            found.append(Line(road, low - _BEFORE, high, tuple(rivals)))
+            for other in members:
+                meeting = meetings.get((road, other))
+                if meeting is None:
+                    continue
+                inside = (low <= meeting.along) & (meeting.along < high)
+                place, turn = meeting.place[inside], meeting.turn[inside]
+                for number in of_road[other] if len(place) else ():
+                    own = turn[(spans[number][1] <= place) & (place <= spans[number][2])]
+                    if len(own):
+                        comes_from_right = own[len(own) // 2] > 0.0
+                        goes_first = (other in first) if (other in first) != (road in first) else bool(comes_from_right)
+                        rivals.append((begin + number, goes_first))
+            found.append(Line(road, low - _BEFORE, high, tuple(sorted(rivals))))
+        found[begin:] = _mutual(found[begin:], begin)
     return found
 
 
-def _spans(roads: Sequence[Road], road: int, members: list[int]) -> list[tuple[float, float]]:
+def _mutual(own: list[Line], begin: int) -> list[Line]:
+    """Return the lines of a rule, numbered from ``begin``, of which two wait for each other, and one goes first.
+
+    Samples of two roads that hardly meet, or bend where they do, do not always agree on both.
+    """
+    first: dict[tuple[int, int], bool] = {}
+    for number, line in enumerate(own, begin):
+        for rival, goes_first in line.rivals:
+            if (rival, number) not in first:
+                first[number, rival], first[rival, number] = goes_first, not goes_first
+    rivals: list[list[tuple[int, bool]]] = [[] for _ in own]
+    for (number, rival), goes_first in sorted(first.items()):
+        rivals[number - begin].append((rival, goes_first))
+    return [line._replace(rivals=tuple(some)) for line, some in zip(own, rivals, strict=True)]
+
+
+class _Meeting(NamedTuple):
+    """Where a road is crossed by another one.
+
+    Attributes:
+        along: (K,) places along the road, m; the first one may be a sample before its beginning.
+        place: (K,) places along the other one, m.
+        turn: (K,) sine of the angle to the other one, positive if that comes from the right.
+    """
+
+    along: Floats
+    place: Floats
+    turn: Floats
+
+
+def _meetings(roads: Sequence[Road], members: list[int]) -> dict[tuple[int, int], _Meeting]:
+    """Return where roads (first) are crossed by others (second), for those that cross."""
+    found = {}
+    for road in members:
+        along = np.arange(-_SAMPLE, roads[road].length, _SAMPLE)
+        points, ways = roads[road].places(along)
+        for other in members:
+            if other == road:
+                continue
+            # samples are near the other road only if they are near the box around it
+            reach = 0.5 * roads[other].lanes * roads[other].width + _SAMPLE
+            low, high = roads[other].points.min(axis=0) - reach, roads[other].points.max(axis=0) + reach
+            near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+            if not len(near):
+                continue
+            place, left, way = roads[other].project(points[near])
+            turn = ways[near, 0] * way[:, 1] - ways[near, 1] * way[:, 0]
+            shared = (np.abs(left) < reach) & (np.abs(turn) > _ACROSS)
+            if shared.any():
+                found[road, other] = _Meeting(along[near[shared]], place[shared], turn[shared])
+    return found
+
+
+def _spans(meetings: dict[tuple[int, int], _Meeting], road: int) -> list[tuple[float, float]]:
     """Return the parts of a road, m, in which it is crossed by other ones."""
-    along = np.arange(0.0, roads[road].length, _SAMPLE)
-    points, ways = roads[road].places(along)
-    shared = np.zeros(len(along), dtype=bool)
-    for other in members:
-        if other != road:
-            shared |= _is_shared(roads[other], points, ways)
-    places = along[shared]
+    own = [meeting.along for (one, _), meeting in meetings.items() if one == road]
+    places = np.unique(np.concatenate([np.zeros(0), *own]))
+    places = places[places >= 0.0]
     if not len(places):
         return []
     breaks = np.flatnonzero(np.diff(places) > _ONE) + 1
     return [(float(part[0]) - _SAMPLE, float(part[-1]) + _SAMPLE) for part in np.split(places, breaks)]
-
-
-def _is_shared(road: Road, points: Floats, ways: Floats) -> NDArray[np.bool_]:
-    _, left, way = road.project(points)
-    across = np.abs(ways[:, 0] * way[:, 1] - ways[:, 1] * way[:, 0])
-    return (np.abs(left) < 0.5 * road.lanes * road.width + _SAMPLE) & (across > _ACROSS)
-
-
-def _meet(one: Road, two: Road, own: tuple[float, float], other: tuple[float, float]) -> float:
-    """Return 1 if the second road comes from the right where parts of both cross, -1 from the left; 0 if none cross."""
-    along = np.arange(own[0], own[1], _SAMPLE)
-    points, ways = one.places(along)
-    place, _, way = two.project(points)
-    shared = _is_shared(two, points, ways) & (other[0] <= place) & (place <= other[1])
-    if not shared.any():
-        return 0.0
-    middle = int(np.flatnonzero(shared)[shared.sum() // 2])
-    turn = ways[middle, 0] * way[middle, 1] - ways[middle, 1] * way[middle, 0]
-    return math.copysign(1.0, float(turn))
 
 
 @dataclass(slots=True)

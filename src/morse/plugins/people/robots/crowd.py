@@ -247,7 +247,7 @@ class Crowd(Robot):
             self._follow(self._tracks)
         else:
             now = self.clock.time
-            self.members.observe(walkers, self.agenda, self.riding.area, self.floors.shift, self._seconds)
+            self.members.observe(walkers, self.agenda, self.riding, self.floors, self.ground, self._seconds)
             self._starts.enter(now, self.gait)
             advance(self.plan, self.agenda, walkers, now)
             look_ahead(self.plan, self.agenda, walkers)
