@@ -309,3 +309,20 @@ def test_people_and_doors_tell_who_puts_them_in_their_places(tmp_path: Path) -> 
             assert below
             assert {node["name"] for node in nodes if node["placed_by"] == owner} == below
         assert not [node["name"] for node in nodes if node["placed_by"] == "robot"]
+
+
+@pytest.mark.parametrize("group", ["sensors", "actuators", "robots"])
+def test_what_cannot_be_drawn_is_named_in_the_log(
+    group: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(several: list[Model]) -> None:
+        raise ValueError("there is no object 'left_eye'\n  File eyes.py, line 19\n    self.left_eye = ...")
+
+    monkeypatch.setattr(model_pictures, "drawn", fail)
+    monkeypatch.setattr(model_pictures._cache, "put", lambda key, content: None)
+    model_pictures._draw([Model("eyes", "parts.eyes:Eyes", group)], lambda content: None)
+    lines = capsys.readouterr().err.splitlines()
+    assert "parts.eyes:Eyes has no picture" in lines[0]
+    assert "there is no object 'left_eye'" in lines[0]
+    # an actuator that looks for a part of its own robot has no fault: its traceback would suggest one
+    assert ("without a robot" in lines[0]) == (len(lines) == 1) == (group != "robots")

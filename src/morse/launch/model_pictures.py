@@ -351,7 +351,14 @@ def _draw(several: list[Model], write: Callable[[object], None]) -> None:
                 _draw([model], write)
             return
         if not several[0].kind.isidentifier():  # a class of MORSE may need a part that carries it, or arguments
-            echo(f"{several[0].kind} has no picture: {error}", err=True)
+            text = f"{several[0].kind} has no picture: {error}"
+            if several[0].group in _ON_ROBOTS:  # it may need parts that only its own robot has
+                text = (
+                    f"{several[0].kind} has no picture, because it does not work without a robot: {error}".splitlines()[
+                        0
+                    ]
+                )
+            echo(text, err=True)
     for model in nothing.values():
         _cache.put(_key(model), b"")
 
