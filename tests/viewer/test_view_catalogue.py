@@ -320,7 +320,7 @@ def test_what_cannot_be_drawn_is_named_in_the_log(
 
     monkeypatch.setattr(model_pictures, "drawn", fail)
     monkeypatch.setattr(model_pictures._cache, "put", lambda key, content: None)
-    model_pictures._draw([Model("eyes", "parts.eyes:Eyes", group)], lambda content: None)
+    model_pictures._draw([Model("parts.eyes:Eyes", "Eyes", group)], lambda content: None)
     lines = capsys.readouterr().err.splitlines()
     assert "parts.eyes:Eyes has no picture" in lines[0]
     assert "there is no object 'left_eye'" in lines[0]
