@@ -1061,6 +1061,59 @@ def test_maps_around_what_casts_shadows_have_the_shadows_of_whole_maps(
     assert ((dark > 20).mean() > 1e-3) == (height < 2)
 
 
+def _floor_in_bright_light(light: str, ball: str = "") -> Any:
+    """A textured floor with 0.3 of white in the headlight and in another light, each of which is at full strength."""
+    bright = 'diffuse="1 1 1" ambient="0 0 0" specular="0 0 0"'
+    return mujoco.MjModel.from_xml_string(
+        _world(
+            f'<light pos="0 0 3" dir="0 0 -1" {bright} {light}/><geom type="plane" size="2 2 .1" material="m"/>{ball}',
+            visual=f"<headlight {bright}/>",
+            asset='<texture name="t" type="2d" builtin="flat" rgb1=".3 .3 .3" width="8" height="8"/>'
+            '<material name="m" texture="t" specular="0"/>',
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ("light", "shadows", "passes"),
+    [
+        # OpenGL adds lights that cast shadows in passes of their own, the others are limited to 1 together
+        ('directional="true"', True, 2),
+        ('cutoff="40" exponent="0"', True, 2),
+        ('directional="true" castshadow="false"', True, 1),
+        ('directional="true"', False, 1),
+    ],
+)
+def test_lights_that_cast_shadows_are_limited_alone_where_no_shadow_is_seen(
+    light: str, shadows: bool, passes: int
+) -> None:
+    model = _floor_in_bright_light(light)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with morse.Renderer(model, 65, 65) as renderer:
+        renderer.update_scene(data, 0)
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
+        assert renderer.render()[32, 32] == pytest.approx(passes * 0.3 * 255, abs=3)
+
+
+def test_pictures_before_and_after_shadows_are_seen_are_complete() -> None:
+    model = _floor_in_bright_light('directional="true"', '<body><freejoint/><geom size=".1"/></body>')
+    data = mujoco.MjData(model)
+    with morse.Renderer(model, 97, 97) as renderer:
+        darkest = []
+        # above the light and the camera, below them, and above them again; standing for some pictures
+        for height in (9.0, 9.0, 9.0, 0.5, 0.5, 0.5, 9.0, 9.0):
+            data.qpos[:3] = 0.3, 0.2, height
+            mujoco.mj_forward(model, data)
+            renderer.update_scene(data, 0)
+            picture = renderer.render()
+            with morse.Renderer(model, 97, 97) as other:
+                other.update_scene(data, 0)
+                assert np.array_equal(picture, other.render())
+            darkest.append(int(picture.min()))
+        assert max(darkest[3:6]) < 100 < min(darkest[:3] + darkest[6:])
+
+
 def test_planes_cast_shadows_on_what_is_below_them() -> None:
     light = '<light pos="0 0 2" dir="0 0 -1" directional="true"/>'
     table = '<geom type="plane" size=".5 .5 .02" pos="0 0 1"/>'

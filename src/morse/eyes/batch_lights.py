@@ -41,6 +41,11 @@ class Lights(NamedTuple):
     casts: Flags
 
 
+def without_shadows(lights: Lights) -> Lights:
+    """The same lights that cast no shadows; see `morse.eyes.light.without_shadows`."""
+    return lights._replace(casts=np.zeros_like(lights.casts))
+
+
 class Maps(NamedTuple):
     """The shadow maps of a light in N scenes; all else of scenes without a map is undefined.
 
@@ -128,14 +133,17 @@ class ClassicLights(NamedTuple):
 def classic_lights(lights: Lights, maps: dict[int, Maps], around: Surroundings, planes: Floats | None) -> ClassicLights:
     """The lights of scenes; `maps` are those of some lights, `planes` (N, 4) those of the haze."""
     rows, count = lights.rows.copy(), len(lights.rows)
-    numbers = np.zeros(count, np.int32)
-    shadows = {}
+    has = np.zeros(rows.shape, np.bool_)
     for n, own in maps.items():
-        shadows[n] = own.has & (numbers < MOST_SHADOWS)
-        numbers += shadows[n]
-        rows["number"][:, n] = np.where(shadows[n], numbers, 0)
+        has[:, n] = own.has
+    # of too many lights that cast shadows, those whose shadows are seen come first
+    others = lights.casts & ~has
+    rank = np.where(has, has.cumsum(axis=1), has.sum(axis=1, keepdims=True) + others.cumsum(axis=1))
+    alone = (has | others) & (rank <= MOST_SHADOWS)
+    rows["number"] = np.where(alone, alone.cumsum(axis=1), 0)
+    rows["width"] = has & alone
     rest = np.repeat(rest_of(around, len(rows[0])), count)
-    rest["shadow_count"] = numbers
+    rest["shadow_count"] = alone.sum(axis=1)
     if planes is not None:
         rest["plane"] = planes
     keys = [a.tobytes() + b.tobytes() for a, b in zip(rest, rows, strict=True)]
@@ -148,6 +156,6 @@ def classic_lights(lights: Lights, maps: dict[int, Maps], around: Surroundings, 
             ("shadow", own.texels),
             ("bounds", own.bounds),
         ):
-            column = rows[name][:, n]
-            column[shadows[n]] = values[shadows[n]]
+            column, seen = rows[name][:, n], has[:, n] & alone[:, n]
+            column[seen] = values[seen]
     return ClassicLights(rest, rows, keys, list(maps.values()))

@@ -91,6 +91,11 @@ def lights_of(scene: Any) -> list[Lit]:
     return lights
 
 
+def without_shadows(lights: list[Lit]) -> list[Lit]:
+    """The same lights that cast no shadows: OpenGL adds them up in one pass."""
+    return [light._replace(casts=False) for light in lights]
+
+
 class ShadowMap(NamedTuple):
     """A shadow map.
 
@@ -215,17 +220,22 @@ class Surroundings(NamedTuple):
 
 
 def classic(lights: list[Lit], maps: list[ShadowMap | None], around: Surroundings) -> Light:
-    """The lights of OpenGL; `maps` are those of each light."""
+    """The lights of OpenGL; `maps` are those of each light that casts shadows, if these are seen."""
     rows = np.zeros(len(lights), CLASSIC_LIGHT)
     number = 0
-    for row, light, shadow in zip(rows, lights, maps, strict=True):
+    # of too many lights that cast shadows, those whose shadows are seen come first
+    alone = sorted((n for n, light in enumerate(lights) if light.casts), key=lambda n: maps[n] is None)[:MOST_SHADOWS]
+    for n, (row, light, shadow) in enumerate(zip(rows, lights, maps, strict=True)):
         for name in ("place", "towards", "ambient", "diffuse", "specular", "attenuation"):
             row[name] = getattr(light, name)
         row["cutoff"] = -1.0 if light.cutoff >= math.pi else math.cos(light.cutoff)
         row["exponent"], row["directional"] = light.exponent, light.directional
-        if shadow is not None and number < MOST_SHADOWS:
-            number += 1
-            row["number"], row["frame"], row["version"] = number, shadow.frame, shadow.version
+        if n not in alone:
+            continue
+        number += 1
+        row["number"] = number
+        if shadow is not None:
+            row["frame"], row["version"] = shadow.frame, shadow.version
             row["height"], row["width"] = shadow.texels.shape
             row["shadow"], row["bounds"] = address(shadow.texels) or 0, address(shadow.bounds) or 0
     rest = rest_of(around, len(lights))

@@ -16,7 +16,7 @@ from morse.eyes.geoms import (
     textures_of_materials,
 )
 from morse.eyes.layers import layers_of, reach_of
-from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_scenes
+from morse.eyes.light import ShadowMaps, Surroundings, classic, lights_of, of_scenes, without_shadows
 from morse.eyes.shadows import casters_of, planes_of
 from morse.eyes.store import SKY, store_of
 from morse.kernel.drawing.arrays import CAMERA
@@ -216,7 +216,9 @@ class Artist:
         clear = opacity < OPAQUE
         solid = self._opaque(instances, clear)
         lights, around = lights_of(scene), self.around(instances, g, scene.flags, reach)
-        maps = self._shadows(scene, g, instances, draw, lights, poses, view)
+        if not scene.flags[SHADOW]:
+            lights = without_shadows(lights)
+        maps = self._shadows(g, instances, draw, lights, poses, view)
         make = classic if self.is_plain else of_scenes
         light = make(lights, maps, around)
 
@@ -235,7 +237,7 @@ class Artist:
         picture = Composition(first, view.width, view.height, exact=bool(layers))
         mirrors = (g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind
         if scene.flags[REFLECTION] and mirrors.any():
-            dim = make(lights, [None] * len(lights), NOTHING)
+            dim = make(without_shadows(lights), [None] * len(lights), NOTHING)
             for number in np.flatnonzero(mirrors):
                 chosen = instances.geoms == number
                 box = picture.extent(chosen)
@@ -326,7 +328,6 @@ class Artist:
 
     def _shadows(
         self,
-        scene: Any,
         g: NDArray[np.void],
         instances: Instances,
         draw: NativeDrawer,
@@ -337,7 +338,7 @@ class Artist:
         """The shadow maps of lights."""
         maps: list[ShadowMap | None] = [None] * len(lights)
         casting, planes = instances.casting, instances.planes
-        if not scene.flags[SHADOW] or not casting.any() or not any(light.casts for light in lights):
+        if not casting.any() or not any(light.casts for light in lights):
             return maps
         parts, owner = instances.parts, instances.geoms[instances.owner]
         seen, makes = seen_of(g[None, ~planes], (view,)), casters_of(g[None], instances, (view,))

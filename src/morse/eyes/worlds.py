@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.eyes.batch_lights import Maps, classic_lights, lights_of_scenes
+from morse.eyes.batch_lights import Maps, classic_lights, lights_of_scenes, without_shadows
 from morse.eyes.geoms import PLANE
 from morse.eyes.layers import layers_of
 from morse.eyes.light import NO_LIGHT, new_version
@@ -132,6 +132,8 @@ class BatchArtist:
         clear = opacity < OPAQUE
         solid = list(~clear[:, instances.geoms][:, instances.owner])
         lights = lights_of_scenes(scenes.lights)
+        if not scenes.flags[SHADOW]:
+            lights = without_shadows(lights)
         around = artist.around(instances, g[0], scenes.flags, reach)
         hazy = None if around.plane is None else planes_of(g[:, instances.infinite[0]])
         light = classic_lights(lights, self._shadows(scenes, lights, poses), around, hazy)
@@ -149,7 +151,7 @@ class BatchArtist:
         ]
         mirrors = (g["reflectance"] > 0) & (g["type"] == PLANE) & ~clear & ~behind
         if scenes.flags[REFLECTION] and mirrors.any():
-            dim = classic_lights(lights, {}, NOTHING, None)
+            dim = classic_lights(without_shadows(lights), {}, NOTHING, None)
             for number in np.flatnonzero(mirrors.any(axis=0)):
                 self._mirror(int(number), scenes, np.flatnonzero(mirrors[:, number]), solid, poses, dim, pictures)
         if any(layers):
@@ -295,7 +297,7 @@ class BatchArtist:
         """The shadow maps of lights, by their numbers."""
         g, instances, artist = scenes.geoms, self._instances, self._artist
         casting, planes = instances.casting, instances.planes
-        if not scenes.flags[SHADOW] or not casting.any() or not lights.casts.any():
+        if not casting.any() or not lights.casts.any():
             return {}
         views = scenes.views
         seen, makes = seen_of(g[:, ~planes], views), casters_of(g, instances, views)

@@ -20,7 +20,8 @@ _Static_assert(CORNER_LIGHTS <= 2 * LANES, "the lights of a corner are read as t
 // The smallest number whose logarithm is computed.
 #define LEAST_COSINE 1e-20f
 
-// The light at eight points with unit normals: of the lights without shadows and of each light with shadows.
+// The light at eight points with unit normals: of the lights that cast no shadows and of each light that does. As in
+// the passes of OpenGL, each of these is limited to 1.
 static ALWAYS_INLINE void light_points(const Frame *f, const Camera *k, const Looks *l, V3 color, V3 *lights) {
     const V3 view = unit(difference(everywhere(k->eye), l->place));
     const F8 zero = splat(0), one = splat(1), least = splat(LEAST_COSINE);
@@ -186,7 +187,7 @@ static inline V3 classic_light(const Frame *f, const Camera *k, Looks *l) {
         const V3 own = l->lights[light->number];
         // most triangles face away from some light
         if (!light->number || !any((own.x > splat(0)) | (own.y > splat(0)) | (own.z > splat(0)))) continue;
-        total = sum(total, scaled(l->lights[light->number], classic_share(light, l->place, l->normal)));
+        total = sum(total, light->width ? scaled(own, classic_share(light, l->place, l->normal)) : own);
     }
     total = product(total, (V3){l->r, l->g, l->b});
     if (c->hazy && any(l->hazed)) {

@@ -144,7 +144,7 @@ int draw_is_lit(const ClassicLight *before, const ClassicLight *now, const int32
 static void mark_classic(const Frame *f, const Camera *k, const Kept *kept) {
     EACH(j, f->classic->light_count) {
         const ClassicLight *now = f->classic_lights + j, *before = kept->lights + j;
-        if (!now->number || now->version == before->version) continue;
+        if (!now->width || now->version == before->version) continue;
         EACH(t, tiles_of(k)) {
             const int32_t *r = kept->reads[t][now->number - 1];
             if (f->drawn[k->tile + t] || r[0] >= r[2]) continue;

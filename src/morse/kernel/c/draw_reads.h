@@ -116,7 +116,7 @@ static inline void include_classic(const Frame *f, const Corners8 *c, int32_t (*
     const Region limits = {-FARTHEST_READ, -FARTHEST_READ, FARTHEST_READ, FARTHEST_READ};
     EACH(j, f->classic->light_count) {
         const ClassicLight *l = f->classic_lights + j;
-        if (!l->number) continue;
+        if (!l->width) continue;
         if (l->directional)
             include_sun(reads[l->number - 1], l->frame, c, limits);
         else

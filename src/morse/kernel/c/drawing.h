@@ -58,9 +58,10 @@ typedef struct {
     float across, down, low, high;
 } ShadowBlock;
 
-// A light of the classic look, as OpenGL has it. `cutoff` is a cosine, -1 for light in all directions. Lights with a
-// shadow map are numbered from 1 in `number`, the others have 0. `version` is another one for each map. Maps of a light
-// that stands differ by the size of a texel, frame[12], and their origin: see `origin_of`.
+// A light of the classic look, as OpenGL has it. `cutoff` is a cosine, -1 for light in all directions. Lights that cast
+// shadows are numbered from 1 in `number`, the others have 0. `width` is 0 without a shadow map, as no shadow is seen.
+// `version` is another one for each map. Maps of a light that stands differ by the size of a texel, frame[12], and
+// their origin: see `origin_of`.
 typedef struct {
     float place[3], towards[3], ambient[3], diffuse[3], specular[3], attenuation[3], cutoff, exponent, frame[16];
     int32_t directional, number, width, height;

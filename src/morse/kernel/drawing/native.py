@@ -63,9 +63,11 @@ class Lit:
         self.classic_lights = light.classic_lights
         lights = light.classic_lights
         if lights is not None:
+            has_map = lights["width"] > 0
             lights = lights.copy()
             for name in _OF_MAPS:
                 lights[name] = 0
+            lights["width"] = has_map
         arrays = (light.lamps, light.sky, light.sun, light.near_sun, light.lamp_frame, light.classic, lights)
         shape = None if light.lamp_shadow is None else light.lamp_shadow.shape
         self.key = (samples, shape, *(None if array is None else array.tobytes() for array in arrays))
