@@ -66,6 +66,27 @@ def test_all_kinds_and_cameras(count, kind, floor):
             compare(batch, model, states_of(model, count, seed), cameras, kind)
 
 
+def test_shadows_may_be_seen_in_some_states_only():
+    # a ball above or below six lights at three heights, of which four can have shadow maps
+    lights = "".join(
+        f'<light pos="{0.3 * n - 0.8} 0 {1 + n % 3}" dir=".1 0 -1" directional="true" diffuse=".5 .5 .5"/>'
+        for n in range(6)
+    )
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><worldbody>{lights}<camera name="c" pos="0 -2 2" xyaxes="1 0 0 0 1 1"/><geom type="plane" '
+        'size="2 2 .1" rgba=".3 .2 .1 1"/><body><freejoint/><geom size=".15"/></body></worldbody></mujoco>'
+    )
+    states = []
+    for height in (9.0, 0.5, 1.5, 2.5):
+        data = mujoco.MjData(model)
+        data.qpos[2] = height
+        mujoco.mj_forward(model, data)
+        states.append(data)
+    with morse.Renderer.batch(model, 4, *SIZE) as batch:
+        for order in (states, states[::-1], states[1:] + states[:1]):
+            compare(batch, model, order, "c", "rgb")
+
+
 def test_what_was_drawn_before_has_no_effect():
     model, rng = mujoco.MjModel.from_xml_string(XML.format(size="0 0 .1")), np.random.default_rng(2)
     states = states_of(model, 4, 1)
