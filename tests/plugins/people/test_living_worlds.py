@@ -78,3 +78,20 @@ def test_people_of_examples_walk_for_minutes(name):
         if name == "hospital":
             assert (watched.trips >= 4).all()
         assert sim.failures == ()
+
+
+@pytest.mark.parametrize(
+    ("world", "name"),
+    [("crossroads", "people"), ("crossroads", "cars"), ("hospital", "visitors"), ("mall", "visitors")],
+)
+def test_feet_and_wheels_of_examples_are_on_the_ground_that_is_shown(world, name):
+    """Most have that ground at their own height, as a ray finds it: slabs on the ground of the world hide no feet."""
+    with morse.load(example(world).scene, seed=2) as sim:
+        sim.step()
+        objects, data = sim.context.world.objects_by_name, getattr(sim, name).data
+        heights = []
+        for number in np.flatnonzero(data["present"]).tolist():
+            x, y, z = data["positions"][number].tolist()
+            _, point, _ = objects[f"{name} {number}"].rayCast((x, y, z - 1.0), (x, y, z + 0.1))
+            heights.append(np.inf if point is None else z - point[2])
+        assert np.median(heights) == pytest.approx(0.0, abs=0.006)

@@ -45,6 +45,7 @@ for number, (street, x, y, turn) in enumerate(
     lights[number] = light
 
 cars = Traffic("cars", deviation=0.08, acceleration=1.4)
+cars.translate(z=0.03)  # on the streets
 cars.road("westward", [(110, 1.75), (-110, 1.75)], 9, speed=11.0)
 cars.road("eastward", [(-110, -1.75), (110, -1.75)], 9, speed=11.0)
 cars.road("southward", [(-1.75, 110), (-1.75, -110)], 6, speed=11.0)
@@ -53,6 +54,7 @@ for road, number in (("westward", 0), ("eastward", 1), ("southward", 2), ("north
     cars.stop(road, 101.0, lights[number])
 
 people = Crowd("people", 14)
+people.translate(z=0.034)  # on the paths
 people.start([(6, -6.3), (100, -4.2)], 7, goals=[(95, -5.2), (8, -5.2)], then="repeat")
 people.start([(-100, 4.2), (-6, 6.3)], 7, goals=[(-95, 5.2), (-8, 5.2)], then="repeat")
 

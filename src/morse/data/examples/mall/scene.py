@@ -97,6 +97,7 @@ for pane in range(3):
     block(f"pane {pane}", (-24.0, 5.2 * (pane - 1), 1.3), (0.08, 1.8, 2.6), GLASS, 0.3)
 
 visitors = Crowd("visitors", 101, groups=0.4, children=0.12, wheelchairs=0.02)
+visitors.translate(z=0.02)  # on the floors of the hall and the shops
 places = [(-17.0 + 10.0 * (k % 4), -8.6 if k < 4 else 8.6) for k in range(8)]
 for k, (x, y) in enumerate(places):
     edge = 1.0 if y > 0 else -1.0
