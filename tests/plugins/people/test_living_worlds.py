@@ -81,10 +81,15 @@ def test_people_of_examples_walk_for_minutes(name):
 
 
 @pytest.mark.parametrize(
-    ("world", "name"),
-    [("crossroads", "people"), ("crossroads", "cars"), ("hospital", "visitors"), ("mall", "visitors")],
+    ("world", "name", "body"),
+    [
+        ("crossroads", "people", "people"),
+        ("crossroads", "cars", "cars car"),
+        ("hospital", "visitors", "visitors"),
+        ("mall", "visitors", "visitors"),
+    ],
 )
-def test_feet_and_wheels_of_examples_are_on_the_ground_that_is_shown(world, name):
+def test_feet_and_wheels_of_examples_are_on_the_ground_that_is_shown(world, name, body):
     """Most have that ground at their own height, as a ray finds it: slabs on the ground of the world hide no feet."""
     with morse.load(example(world).scene, seed=2) as sim:
         sim.step()
@@ -92,6 +97,6 @@ def test_feet_and_wheels_of_examples_are_on_the_ground_that_is_shown(world, name
         heights = []
         for number in np.flatnonzero(data["present"]).tolist():
             x, y, z = data["positions"][number].tolist()
-            _, point, _ = objects[f"{name} {number}"].rayCast((x, y, z - 1.0), (x, y, z + 0.1))
+            _, point, _ = objects[f"{body} {number}"].rayCast((x, y, z - 1.0), (x, y, z + 0.1))
             heights.append(np.inf if point is None else z - point[2])
         assert np.median(heights) == pytest.approx(0.0, abs=0.006)
