@@ -206,9 +206,9 @@ def casters_of(
         for plane, own in flat.items():
             casting[:, plane] = ~are_below(own, g["pos"], ~planes & finite, eyes, place, towards, directional)
         casting &= finite
-        bounded = ~casting[:, instances.infinite].any(axis=1)
         # the vertices of skins and flexes are elsewhere
-        return Casters(middle, reach, casting, bounded & (not len(instances.free)))
+        bounded = ~casting[:, instances.infinite].any(axis=1) & (len(instances.free) == 0)
+        return Casters(middle, reach, casting, np.asarray(bounded))
 
     return make
 

@@ -177,7 +177,7 @@ class Members:
 
     @staticmethod
     def _on_plane(x: float, y: float, row: int, riding: Riding, floors: Floors) -> Floats:
-        return np.array([x, y]) + floors.shift[riding.area[row]]
+        return np.asarray(np.array([x, y]) + floors.shift[riding.area[row]])
 
     def guide(self, walkers: Walkers, before: Floats, gait: Gait, seconds: float) -> None:
         """Let the robots go where the model of walking has moved the members.
