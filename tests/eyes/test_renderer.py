@@ -680,6 +680,8 @@ def test_a_batch_has_the_pictures_of_its_states() -> None:
         assert batch.render(states, kind="ids").dtype == np.int32
         with pytest.raises(ValueError, match="5 states, got 4"):
             batch.render(states[:4])
+        with pytest.raises(TypeError, match="real numbers, got an array of type complex128"):
+            batch.render(np.zeros((5, model.nq), complex))
         with pytest.raises(ValueError, match=r"shape \(5, 7\)"):
             batch.render(np.zeros((5, 3)))
         with pytest.raises(ValueError, match="rgb, depth, ids"):

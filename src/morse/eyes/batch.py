@@ -82,6 +82,8 @@ class BatchRenderer:
             raise ValueError(f"The kind of pictures {kind!r} does not exist; there are: {', '.join(KINDS)}.")
         if len(states) != self._count:
             raise ValueError(f"The batch has {self._count} states, got {len(states)}.")
+        if isinstance(states, np.ndarray) and states.dtype.kind not in "biuf":
+            raise TypeError(f"Positions are real numbers, got an array of type {states.dtype}.")
         if isinstance(states, np.ndarray) and states.shape != (self._count, self._model.nq):
             raise ValueError(f"Positions have the shape {(self._count, self._model.nq)}, got {states.shape}.")
         several = isinstance(cameras, (Sequence, np.ndarray)) and not isinstance(cameras, str)

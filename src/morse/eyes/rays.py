@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import sys
 import weakref
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -140,7 +141,7 @@ class Rays:
         several = not isinstance(data, mujoco.MjData) and isinstance(data, Sequence)
         states = list(data) if several else [data]
         poses = self._poses(states)
-        if isinstance(limit, bool) or not isinstance(limit, (int, float, np.number)):
+        if isinstance(limit, bool) or not isinstance(limit, (int, float, np.integer, np.floating)):
             raise TypeError(f"The limit of rays is a number, m, got {limit!r}.")
         if not limit > 0:
             raise ValueError(f"The limit of rays is greater than 0 m, got {limit!r}.")
@@ -160,7 +161,9 @@ class Rays:
                 raise ValueError(
                     f"Points have the shape {shape}, {shape[1:]} or (3,), got {np.shape(points)}."
                 ) from None
-        hits = self._targets.cast(poses, starts, ways, limit, int(bodyexclude), normals)
+        # integers may be larger than any double
+        most = float(min(limit, sys.float_info.max)) if limit < math.inf else math.inf
+        hits = self._targets.cast(poses, starts, ways, most, int(bodyexclude), normals)
         return RayHits(*hits) if several else RayHits(*(part[0] for part in hits))
 
     def __reduce__(self) -> Any:

@@ -267,7 +267,7 @@ Environment("empty")
         assert first["point"][0] < 2.0
         assert sim.people.data["positions"][0, 0] > 2.2
         assert sim.people.data["exceeded"] >= 1
-        assert "robot hits person 0 of people" in caplog.text
+        assert "robot and person 0 of people touch" in caplog.text
         # the person is not inside of the robot
         here = sim.context.world.objects_by_name["robot"].world_pose()[0]
         assert sim.people.data["positions"][0, 0] - here[0] > 0.4
@@ -292,7 +292,7 @@ Environment("empty")
             sim.step()
             assert sim.people.data["exceeded"] == exceeded
     assert "with 0 N" not in caplog.text
-    assert "arm hits person 0 of people with 40 N, face: ISO/TS 15066 permits no impact there" in caplog.text
+    assert "arm and person 0 of people touch with 40 N, face: ISO/TS 15066 permits no impact there" in caplog.text
 
 
 def test_a_tracker_tells_who_is_near_and_not_who_is_behind_a_wall(tmp_path):

@@ -347,7 +347,7 @@ class Crowd(Robot):
                 continue
             self._reported[key] = True
             data["exceeded"] += 1
-            text = f"{one['robot']} hits person {one['person']} of {self.name()} with {one['force']:.0f} N, "
+            text = f"{one['robot']} and person {one['person']} of {self.name()} touch with {one['force']:.0f} N, "
             permitted = f"{one['limit']:.0f} N" if one["limit"] else "no impact there"
             text += f"{one['region']}: ISO/TS 15066 permits {permitted}"
             self.context.complaints.warn(f"{self.name()} {one['robot']}", text)
