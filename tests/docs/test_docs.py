@@ -147,6 +147,7 @@ def test_methods_in_tables_exist(page: str):
         pymorse,
         builder.Environment,
         builder.Robot,
+        builder.Cube,
         builder.Sick,
         pymorse.Morse,
         pymorse.MorseFuture,

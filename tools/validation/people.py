@@ -191,7 +191,7 @@ def steps() -> Figure:
     velocity, position, begin = np.array([[1.34, 0.0]]), np.zeros((1, 2)), float(gait.phase[0])
     for _ in range(60 * 10):
         position = position + _TICK * velocity
-        gait.step(_TICK, position, velocity, np.zeros((1, 2)))
+        gait.step(_TICK, position, velocity, np.zeros((1, 2)), np.zeros(1, dtype=bool))
     length = 13.4 / (float(gait.phase[0]) - begin)
     return Figure(
         "steps at 1.34 m/s",

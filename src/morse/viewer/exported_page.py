@@ -47,9 +47,9 @@ _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "connect-src data: blob:; base-uri 'none'; form-action 'none'"
 )
-_SCRIPT = re.compile(r'<script type="module"[^>]* src="\./([^"]+)"></script>')
-_STYLE = re.compile(r'<link rel="stylesheet"[^>]* href="\./([^"]+)">')
-_ICON = re.compile(r'<link rel="icon"[^>]* href="\./([^"]+)"[^>]*>')
+_SCRIPT = re.compile(r'<script type="module"[^<>]* src="\./([^"]+)"></script>')
+_STYLE = re.compile(r'<link rel="stylesheet"[^<>]* href="\./([^"]+)">')
+_ICON = re.compile(r'<link rel="icon"[^<>]* href="\./([^"]+)"[^<>]*>')
 
 
 def page_of(recording: bytes, title: str, folder: Path = STATIC) -> str:

@@ -104,11 +104,11 @@ static inline void unit_ways(Doubles *way, Doubles *length) {
     const Longs good = (most > 0.0) & (most < (double)INFINITY);
     // squares of very long and very short directions are not finite, or 0: scaled by a power of 2, without rounding
     const Longs exponent = 2045 - ((Longs)most >> 52), power = exponent + ((exponent < 1) & (1 - exponent));
-    const Doubles scale = (Doubles)(power << 52), back = (Doubles)((2046 - power) << 52);
+    const Doubles scale = (Doubles)(power << 52);
     for (int k = 0; k < 3; k++) way[k] *= scale;
-    const Doubles root = root4(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]), inverse = 1.0 / root;
-    *length = picked4(good, root * back, EACH(Doubles, 0.0));
-    for (int k = 0; k < 3; k++) way[k] = picked4(good, way[k] * inverse, EACH(Doubles, 0.0));
+    const Doubles root = root4(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    *length = picked4(good, root / scale, EACH(Doubles, 0.0));
+    for (int k = 0; k < 3; k++) way[k] = picked4(good, way[k] / root, EACH(Doubles, 0.0));
 }
 
 static inline void set_cone(Cones *cones, int lane, const float *axis, float cosine, const float *apex, float spread) {

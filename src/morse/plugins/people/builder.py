@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.assets.search import find_file
 from morse.builder.components.robot import Robot
-from morse.builder.components.robots import Human
 from morse.builder.errors import checks
 from morse.builder.names.frames import source_line
+from morse.builder.robots import Human
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:

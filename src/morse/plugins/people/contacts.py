@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.core.reports.quoting import nearest as nearest_name
-from morse.plugins.people.members import present_members
 from morse.plugins.people.walking import Others, Walkers
 from morse.plugins.people.wayfinding import HEIGHT, Ground, distance_to, hull
 from morse.scene import PhysicsType
@@ -559,3 +558,11 @@ class Places:
             least = taken[:, 2] + radius + gap
             good[begin : begin + 64] = ((part * part).sum(axis=2) >= (least * least)[None] * (1.0 - 1e-9)).all(axis=1)
         return good
+
+
+def present_members(robot: Any) -> list[str]:
+    """Return the names of the robots that walk with a crowd at present; none for a robot that is no crowd."""
+    rows, walkers = getattr(getattr(robot, "members", None), "rows", None), getattr(robot, "walkers", None)
+    if not isinstance(rows, dict) or not isinstance(walkers, Walkers):
+        return []
+    return [name for name, row in rows.items() if walkers.present[row]]

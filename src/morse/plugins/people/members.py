@@ -213,11 +213,3 @@ class Members:
         """Leave a member to its own actuators."""
         row = self.rows[name]
         agenda.mode[row], walkers.present[row], walkers.velocity[row] = DRIVEN, False, 0.0
-
-
-def present_members(robot: Any) -> list[str]:
-    """Return the names of the robots that walk with a crowd at present; none for a robot that is no crowd."""
-    members, walkers = getattr(robot, "members", None), getattr(robot, "walkers", None)
-    if not isinstance(members, Members) or walkers is None:
-        return []
-    return [name for name, row in members.rows.items() if walkers.present[row]]

@@ -8,6 +8,7 @@ import numpy as np
 
 from morse.core.state import StateError
 from morse.plugins.people.agenda import RECORDED, WORDS
+from morse.plugins.people.riding import ON_FOOT
 
 if TYPE_CHECKING:
     from morse.plugins.people.agenda import Agenda
@@ -86,7 +87,8 @@ class States:
         heading = people["heading"]
         if not all(np.abs(people[name]).max(initial=0.0) < 1e6 for name in _PLACES):
             return False
-        walks = people["present"] & (people["mode"] != RECORDED)
+        # cabins are elsewhere on the plane
+        walks = people["present"] & (people["mode"] != RECORDED) & (people["ride"] == ON_FOOT)
         ground = self._plan.ground
         places = (people["position"][walks] - ground.origin) / ground.cell
         on_ground = ((places >= 0.0) & (places <= (ground.shape[1], ground.shape[0]))).all()
