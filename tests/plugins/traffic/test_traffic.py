@@ -47,7 +47,7 @@ def bumpers(data, road: int = 0, length: float = 4.6) -> np.ndarray:
     return np.concatenate(gaps)
 
 
-@pytest.mark.parametrize("count", [10, 16, 40])
+@pytest.mark.parametrize("count", [10, *(pytest.param(n, marks=pytest.mark.slow) for n in (16, 40))])
 def test_a_steady_stream_has_the_equilibrium_gap(load: Load, count: int):
     """On a ring, s_e(v) = (s0 + v T) / sqrt(1 - (v / v0)^4), with the parameters of Treiber et al. 2000."""
     simulation = load(f"cars = Traffic()\ncars.road('ring', {RING}, {count}, closed=True, speed=20.0)" + EMPTY)

@@ -77,6 +77,7 @@ def test_a_delay_of_a_sensor_is_none_of_its_clock_if_it_is_fitted(tmp_path):
         assert fit.spreads[name] < 0.15 * planted[name]
 
 
+@pytest.mark.slow
 def test_a_delay_of_commands_is_found_where_errors_change_by_jumps(tmp_path):
     """A joint of constant speed turns back in a tick, whenever in this tick the command comes."""
     (tmp_path / "arm.urdf").write_text(ARM_FILE)
