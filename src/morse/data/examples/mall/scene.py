@@ -26,7 +26,7 @@ def block(name, place, size, color, opacity=1.0, kind=Cube):
 
 def shop(name, x, side, color, logo):
     """A shop of 10 m on one side of the mall: windows, a door of 2.4 m, a sign, shelves and a counter."""
-    block(f"{name} floor", (x, side * 9.5, -0.1), (9.8, 6.9, 0.2), tuple(0.55 + 0.35 * one for one in color))
+    block(f"{name} floor", (x, side * 9.5, -0.07), (9.8, 6.9, 0.2), tuple(0.55 + 0.35 * one for one in color))
     block(f"{name} back", (x, side * 13.1, 1.7), (10.2, 0.2, 3.4), WALL)
     for left in (-1, 1):
         block(f"{name} window {left}", (x + left * 3.05, side * 6.0, 1.3), (3.5, 0.06, 2.4), GLASS, 0.3)
@@ -65,12 +65,12 @@ def bench(name, x, y):
         shape(Cube, f"{name} leg {left}", (x + left * 0.75, y, 0.19), (0.08, 0.44, 0.38), STEEL)
 
 
-block("ground", (-6.0, 0.0, -0.52), (90.0, 60.0, 1.0), (0.33, 0.34, 0.33))
-block("hall", (-8.0, 0.0, -0.1), (56.0, 12.0, 0.2), STONE)
+block("ground", (-6.0, 0.0, -0.49), (90.0, 60.0, 1.0), (0.33, 0.34, 0.33))
+block("hall", (-8.0, 0.0, -0.07), (56.0, 12.0, 0.2), STONE)
 for number in range(9):
-    shape(Cube, f"inlay {number}", (-22.0 + 5.0 * number, 0.0, -0.005), (0.3, 12.0, 0.02), BORDER)
+    shape(Cube, f"inlay {number}", (-22.0 + 5.0 * number, 0.0, 0.025), (0.3, 12.0, 0.02), BORDER)
 for side in (-1, 1):
-    shape(Cube, f"border {side}", (-2.0, side * 5.5, 0.0), (44.0, 0.5, 0.02), BORDER)
+    shape(Cube, f"border {side}", (-2.0, side * 5.5, 0.03), (44.0, 0.5, 0.02), BORDER)
     for number in range(4):
         k = number + 2 * (side + 1)
         shop(f"shop {k}", -17.0 + 10.0 * number, side, SIGNS[k], LOGOS[k])
@@ -97,6 +97,7 @@ for pane in range(3):
     block(f"pane {pane}", (-24.0, 5.2 * (pane - 1), 1.3), (0.08, 1.8, 2.6), GLASS, 0.3)
 
 visitors = Crowd("visitors", 101, groups=0.4, children=0.12, wheelchairs=0.02)
+visitors.translate(z=0.03)  # on the floors of the hall and the shops
 places = [(-17.0 + 10.0 * (k % 4), -8.6 if k < 4 else 8.6) for k in range(8)]
 for k, (x, y) in enumerate(places):
     edge = 1.0 if y > 0 else -1.0
@@ -108,7 +109,7 @@ visitors.start(places=[(x, -0.9) for x, _ in seats], goals=seats, then="sit")
 visitors.start(places=[(-21.8, 1.0)], goals=[(-21.8, 1.0)])
 
 robot = Morsy()
-robot.translate(-18.0, -0.8, 0.0)
+robot.translate(-18.0, -0.8, 0.03)
 robot.rotate(z=3.14159)
 motion = MotionVW()
 robot.append(motion)
