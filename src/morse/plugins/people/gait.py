@@ -162,8 +162,8 @@ class Gait:
         aim = aim if steps is None else steps.landing(each, aim)
         self.goal = np.where((share < _DECIDED)[:, None], aim, self.goal)
         lands = after >= 1.0
-        to_go = np.maximum(1.0 - _smooth(share), 1e-12)
-        part = np.where(lands, 1.0, (_smooth(np.minimum(after, 1.0)) - _smooth(share)) / to_go)
+        covered = _smooth(share)
+        part = np.where(lands, 1.0, (_smooth(np.minimum(after, 1.0)) - covered) / np.maximum(1.0 - covered, 1e-12))
         self.feet[each, side] += part[:, None] * (self.goal - self.feet[each, side])
         ground = 0.0 if steps is None else steps.ground(each, self.goal)
         self.ground[each, side] += part * (ground - self.ground[each, side])

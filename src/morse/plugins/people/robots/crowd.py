@@ -201,7 +201,7 @@ class Crowd(Robot):
         self._trunks = [*self._bodies[:count], *self.members.bodies()]
         self._shown = np.ones(count, dtype=bool)
         self._states = States(self.name(), self.walkers, self.gait, self.agenda, self.riding, self.plan)
-        self._show()
+        self._show(self._steps())
 
     def _rides_of(self, heights: Floats) -> NDArray[np.bool_]:
         """Return (N,) who sits in a wheelchair."""
@@ -270,7 +270,7 @@ class Crowd(Robot):
         self.gait.step(self._seconds, walkers.position, walkers.velocity, walkers.wanted, self._sits(), steps)
         if self._tracks is None:
             self.members.guide(walkers, before, self.gait, self._seconds)
-        self._show()
+        self._show(steps)
 
     def _walk(self, others: Others) -> None:
         """Walk for a tick, slower on stairs."""
@@ -357,13 +357,13 @@ class Crowd(Robot):
         here = length(self.walkers.position - self.agenda.target) < HERE
         return np.asarray((self.agenda.mode == SITS) & here & ~self.agenda.stands_up(np.arange(self._count)), np.bool_)
 
-    def _show(self) -> None:
-        """Set the bodies and the data."""
+    def _show(self, steps: Steps | None) -> None:
+        """Set the bodies and the data; `steps` are below those who are on stairs."""
         walkers, data = self.walkers, self.local_data
         area = self.riding.area
         # from the plane to the world
         offset = np.column_stack([-self.floors.shift[area], self.floors.heights_of(walkers.position, area)])
-        poses = self.gait.poses(walkers.position, walkers.present, offset, self._steps())
+        poses = self.gait.poses(walkers.position, walkers.present, offset, steps)
         # the bodies of members are those of their robots
         self._rows.place(*(np.concatenate([one[: self._own], one[self._count :]]) for one in poses))
         present = walkers.present[: self._own]
@@ -613,4 +613,4 @@ class Crowd(Robot):
         super().set_state(state)
         self._states.set(people)
         self._around.forget()
-        self._show()
+        self._show(self._steps())
